@@ -1,0 +1,194 @@
+//! Validated triangle meshes.
+
+use std::ops::Range;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::{DVec3, Vec2, Vec3, Vec4};
+use thiserror::Error;
+
+use super::Topology;
+use crate::math::Aabb;
+
+/// What a mesh is made from, before validation. Positions and indices are required; every other stream is either
+/// empty or as long as `positions`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshData {
+    /// The name errors and reports use.
+    pub name: String,
+    /// Vertex positions in local space, in metres.
+    pub positions: Vec<Vec3>,
+    /// Shading normals; left empty, they are computed (area-weighted over each vertex's triangles).
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates.
+    pub uvs: Vec<Vec2>,
+    /// Linear vertex colours that multiply the base colour.
+    pub colors: Vec<Vec4>,
+    /// Three indices per triangle, counter-clockwise seen from the front.
+    pub indices: Vec<u32>,
+    /// Which triangles wear which material; left empty, one part covers all with slot 0.
+    pub parts: Vec<Part>,
+}
+
+/// A run of triangles with one material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// The run, in triangles (not indices).
+    pub triangles: Range<u32>,
+    /// Which of the mesh node's materials the run wears.
+    pub material_slot: usize,
+}
+
+/// Why a mesh was refused.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
+pub enum MeshError {
+    #[error("mesh '{mesh}': {count} indices are no whole number of triangles (a multiple of 3 is needed)")]
+    PartialTriangle { mesh: String, count: usize },
+    #[error("mesh '{mesh}': index {index} at place {place} is out of range ({vertices} vertices)")]
+    IndexOutOfRange { mesh: String, place: usize, index: u32, vertices: usize },
+    #[error(
+        "mesh '{mesh}': position {vertex} is ({x}, {y}, {z}); positions must be finite and below 1e18 in size"
+    )]
+    BadPosition { mesh: String, vertex: usize, x: f32, y: f32, z: f32 },
+    #[error(
+        "mesh '{mesh}': {stream} has {count} entries for {vertices} vertices (as many, or none, are needed)"
+    )]
+    StreamLength { mesh: String, stream: &'static str, count: usize, vertices: usize },
+    #[error(
+        "mesh '{mesh}': parts must cover the {triangles} triangles in order without gaps; part {part} runs {start}..{end}"
+    )]
+    BadParts { mesh: String, part: usize, start: u32, end: u32, triangles: usize },
+    #[error("mesh '{mesh}': {count} {what} are more than the {limit} a mesh may have")]
+    TooLarge { mesh: String, what: &'static str, count: usize, limit: usize },
+}
+
+/// A validated mesh: at least every index is in range and every position finite. Immutable; a changed shape is a
+/// new mesh with a new [`Mesh::id`].
+#[derive(Debug)]
+pub struct Mesh {
+    data: MeshData,
+    id: u64,
+    bounds: Aabb,
+    topology: OnceLock<Topology>,
+}
+
+/// The most vertices, and the most triangles, a mesh may have: indices doubled for extruded vertices stay in u32.
+pub const MAX_MESH_ELEMENTS: usize = 1 << 28;
+
+impl Mesh {
+    /// Validates `data` and computes what was left out.
+    ///
+    /// # Errors
+    /// Each way in which the data can be wrong is one variant of [`MeshError`], naming the mesh.
+    pub fn new(mut data: MeshData) -> Result<Self, MeshError> {
+        static NEXT_ID: AtomicU64 = AtomicU64::new(1);
+        validate(&data)?;
+        if data.parts.is_empty() && !data.indices.is_empty() {
+            data.parts.push(Part { triangles: 0..data.indices.len() as u32 / 3, material_slot: 0 });
+        }
+        if data.normals.is_empty() {
+            data.normals = smooth_normals(&data.positions, &data.indices);
+        }
+        let bounds = Aabb::from_points(data.positions.iter().map(|p| p.as_dvec3()));
+        let id = NEXT_ID.fetch_add(1, Ordering::Relaxed);
+        Ok(Self { data, id, bounds, topology: OnceLock::new() })
+    }
+
+    /// A number no other mesh of this process has; the key of everything cached about the mesh.
+    pub fn id(&self) -> u64 {
+        self.id
+    }
+
+    /// The mesh's name.
+    pub fn name(&self) -> &str {
+        &self.data.name
+    }
+
+    /// The validated streams.
+    pub fn data(&self) -> &MeshData {
+        &self.data
+    }
+
+    /// Vertex positions in local space.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.data.positions
+    }
+
+    /// The corners of triangle `triangle` as vertex indices.
+    pub fn triangle(&self, triangle: usize) -> [u32; 3] {
+        std::array::from_fn(|corner| self.data.indices[triangle * 3 + corner])
+    }
+
+    /// The number of triangles.
+    pub fn triangle_count(&self) -> usize {
+        self.data.indices.len() / 3
+    }
+
+    /// The box around all positions, in local space.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// Welded vertices, edges and closedness; computed on first use and kept.
+    pub fn topology(&self) -> &Topology {
+        self.topology.get_or_init(|| Topology::new(&self.data.positions, &self.data.indices))
+    }
+}
+
+fn validate(data: &MeshData) -> Result<(), MeshError> {
+    let mesh = || data.name.clone();
+    let vertices = data.positions.len();
+    let triangles = data.indices.len() / 3;
+    for (what, count) in [("vertices", vertices), ("triangles", triangles)] {
+        if count > MAX_MESH_ELEMENTS {
+            return Err(MeshError::TooLarge { mesh: mesh(), what, count, limit: MAX_MESH_ELEMENTS });
+        }
+    }
+    if !data.indices.len().is_multiple_of(3) {
+        return Err(MeshError::PartialTriangle { mesh: mesh(), count: data.indices.len() });
+    }
+    if let Some(place) = data.indices.iter().position(|&index| index as usize >= vertices) {
+        return Err(MeshError::IndexOutOfRange { mesh: mesh(), place, index: data.indices[place], vertices });
+    }
+    if let Some(vertex) = data.positions.iter().position(|p| !p.is_finite() || p.abs().max_element() >= 1e18)
+    {
+        let Vec3 { x, y, z } = data.positions[vertex];
+        return Err(MeshError::BadPosition { mesh: mesh(), vertex, x, y, z });
+    }
+    for (stream, count) in
+        [("normals", data.normals.len()), ("uvs", data.uvs.len()), ("colors", data.colors.len())]
+    {
+        if count != 0 && count != vertices {
+            return Err(MeshError::StreamLength { mesh: mesh(), stream, count, vertices });
+        }
+    }
+    let mut expected_start = 0;
+    for (part, Part { triangles: run, .. }) in data.parts.iter().enumerate() {
+        let last = part + 1 == data.parts.len();
+        if run.start != expected_start || run.end < run.start || (last && run.end as usize != triangles) {
+            return Err(MeshError::BadParts {
+                mesh: mesh(),
+                part,
+                start: run.start,
+                end: run.end,
+                triangles,
+            });
+        }
+        expected_start = run.end;
+    }
+    Ok(())
+}
+
+/// Area-weighted vertex normals; vertices without area get +y so that shading stays finite.
+fn smooth_normals(positions: &[Vec3], indices: &[u32]) -> Vec<Vec3> {
+    let mut sums = vec![DVec3::ZERO; positions.len()];
+    for corner in indices.chunks_exact(3) {
+        let [a, b, c] = [0, 1, 2].map(|i| positions[corner[i] as usize].as_dvec3());
+        let area_normal = (b - a).cross(c - a);
+        for &index in corner {
+            sums[index as usize] += area_normal;
+        }
+    }
+    sums.into_iter().map(|sum| sum.try_normalize().map_or(Vec3::Y, |n| n.as_vec3())).collect()
+}

@@ -1,0 +1,362 @@
+//! The graph itself: nodes, keys, hierarchy, removal and revisions.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3, Vec3};
+use slotmap::{SlotMap, new_key_type};
+use thiserror::Error;
+
+use super::content::look_at;
+use super::{Camera, Content, Image, Light, Material, MeshNode, ShadowNode};
+use crate::geometry::Mesh;
+
+new_key_type! {
+    /// A node of the graph.
+    pub struct NodeKey;
+    /// A mesh, shared by any number of nodes.
+    pub struct MeshKey;
+    /// A material.
+    pub struct MaterialKey;
+    /// An image.
+    pub struct ImageKey;
+    /// A light.
+    pub struct LightKey;
+    /// A camera.
+    pub struct CameraKey;
+    /// A shadow node.
+    pub struct ShadowKey;
+}
+
+/// A node: a transform, one content, a parent and children.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// Its name; need not be unique.
+    pub name: String,
+    /// Its transform relative to the parent; any affine map, mirrored and singular ones included.
+    pub parent_from_local: DAffine3,
+    /// What it holds.
+    pub content: Content,
+    /// Whether it and everything under it is drawn, shines and casts.
+    pub visible: bool,
+    parent: Option<NodeKey>,
+    children: Vec<NodeKey>,
+}
+
+impl Node {
+    /// The parent; `None` for a root.
+    pub fn parent(&self) -> Option<NodeKey> {
+        self.parent
+    }
+
+    /// The children, in the order they were added.
+    pub fn children(&self) -> &[NodeKey] {
+        &self.children
+    }
+}
+
+/// What can be wrong with an operation on the graph.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
+pub enum SceneError {
+    #[error("{what} {key} is not in the scene (removed, or from another scene)")]
+    Missing { what: &'static str, key: String },
+    #[error("node '{node}' cannot become a child of '{parent}', which is itself or lies under it")]
+    Cycle { node: String, parent: String },
+    #[error("node '{node}': its transform is not finite")]
+    BadTransform { node: String },
+    #[error("{what} '{name}': {problem}")]
+    BadContent { what: &'static str, name: String, problem: String },
+}
+
+/// A scene: a forest of nodes and what they hold.
+///
+/// Every change of the scene gives it a new [`Scene::revision`]; two scenes with the same revision are the same.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    nodes: SlotMap<NodeKey, Node>,
+    meshes: SlotMap<MeshKey, Arc<Mesh>>,
+    materials: SlotMap<MaterialKey, Material>,
+    images: SlotMap<ImageKey, Arc<Image>>,
+    lights: SlotMap<LightKey, Light>,
+    cameras: SlotMap<CameraKey, Camera>,
+    shadows: SlotMap<ShadowKey, ShadowNode>,
+    roots: Vec<NodeKey>,
+    ambient: Vec3,
+    background: Vec3,
+    revision: u64,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+fn next_revision() -> u64 {
+    use std::sync::atomic::{AtomicU64, Ordering};
+    static NEXT: AtomicU64 = AtomicU64::new(1);
+    NEXT.fetch_add(1, Ordering::Relaxed)
+}
+
+macro_rules! stores {
+    ($($what:literal $field:ident: $key:ty => $value:ty, $add:ident, $get:ident, $get_mut:ident, $all:ident;)*) => {
+        /// What the nodes refer to, by key.
+        impl Scene {
+            $(
+                #[doc = concat!("Stores a ", $what, " and returns its key.")]
+                pub fn $add(&mut self, value: $value) -> $key {
+                    self.touch();
+                    self.$field.insert(value)
+                }
+
+                #[doc = concat!("The ", $what, " behind `key`, if it is still there.")]
+                pub fn $get(&self, key: $key) -> Option<&$value> {
+                    self.$field.get(key)
+                }
+
+                #[doc = concat!("The ", $what, " behind `key` for changing; counts as a change of the scene.")]
+                pub fn $get_mut(&mut self, key: $key) -> Option<&mut $value> {
+                    self.touch();
+                    self.$field.get_mut(key)
+                }
+
+                #[doc = concat!("Every ", $what, " with its key.")]
+                pub fn $all(&self) -> impl Iterator<Item = ($key, &$value)> {
+                    self.$field.iter()
+                }
+            )*
+        }
+    };
+}
+
+stores! {
+    "mesh" meshes: MeshKey => Arc<Mesh>, add_mesh_data, mesh, mesh_mut, meshes;
+    "material" materials: MaterialKey => Material, add_material, material, material_mut, materials;
+    "image" images: ImageKey => Arc<Image>, add_image, image, image_mut, images;
+    "light" lights: LightKey => Light, add_light_data, light, light_mut, lights;
+    "camera" cameras: CameraKey => Camera, add_camera_data, camera, camera_mut, cameras;
+    "shadow node" shadows: ShadowKey => ShadowNode, add_shadow_data, shadow, shadow_mut, shadows;
+}
+
+impl Scene {
+    /// An empty scene with a faint ambient light and a dark background.
+    pub fn new() -> Self {
+        Self {
+            nodes: SlotMap::with_key(),
+            meshes: SlotMap::with_key(),
+            materials: SlotMap::with_key(),
+            images: SlotMap::with_key(),
+            lights: SlotMap::with_key(),
+            cameras: SlotMap::with_key(),
+            shadows: SlotMap::with_key(),
+            roots: Vec::new(),
+            ambient: Vec3::splat(0.06),
+            background: Vec3::new(0.02, 0.024, 0.03),
+            revision: next_revision(),
+        }
+    }
+
+    fn touch(&mut self) {
+        self.revision = next_revision();
+    }
+
+    /// A number that changes with every change of the scene and that no two different scenes share.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Light that reaches every surface unshadowed: linear, relative to the exposure (1 is white).
+    pub fn ambient(&self) -> Vec3 {
+        self.ambient
+    }
+
+    /// Sets the ambient light.
+    pub fn set_ambient(&mut self, ambient: Vec3) {
+        self.touch();
+        self.ambient = ambient;
+    }
+
+    /// The linear colour where nothing is.
+    pub fn background(&self) -> Vec3 {
+        self.background
+    }
+
+    /// Sets the background.
+    pub fn set_background(&mut self, background: Vec3) {
+        self.touch();
+        self.background = background;
+    }
+
+    /// Adds a node under `parent` (a root for `None`, or when the parent is gone).
+    pub fn add(
+        &mut self,
+        parent: Option<NodeKey>,
+        name: &str,
+        parent_from_local: DAffine3,
+        content: Content,
+    ) -> NodeKey {
+        self.touch();
+        let parent = parent.filter(|key| self.nodes.contains_key(*key));
+        let node = Node {
+            name: name.into(),
+            parent_from_local,
+            content,
+            visible: true,
+            parent,
+            children: Vec::new(),
+        };
+        let key = self.nodes.insert(node);
+        match parent {
+            Some(parent) => self.nodes[parent].children.push(key),
+            None => self.roots.push(key),
+        }
+        key
+    }
+
+    /// Adds an empty group at the root.
+    pub fn add_group(&mut self, name: &str) -> NodeKey {
+        self.add(None, name, DAffine3::IDENTITY, Content::Group)
+    }
+
+    /// Adds `mesh` in one `material` at the root, placed by `world_from_local`.
+    pub fn add_mesh(&mut self, mesh: Mesh, material: Material, world_from_local: DAffine3) -> NodeKey {
+        let name = mesh.name().to_owned();
+        let mesh = self.add_mesh_data(Arc::new(mesh));
+        let material = self.add_material(material);
+        self.add(None, &name, world_from_local, Content::Mesh(MeshNode::new(mesh, material)))
+    }
+
+    /// Adds a light at the root, at `position` and shining towards `target`.
+    pub fn add_light(&mut self, light: Light, position: DVec3, target: DVec3) -> NodeKey {
+        let name = light.name.clone();
+        let key = self.add_light_data(light);
+        self.add(None, &name, look_at(position, target), Content::Light(key))
+    }
+
+    /// Adds a camera at the root, at `eye` and looking at `target`.
+    pub fn add_camera(&mut self, camera: Camera, eye: DVec3, target: DVec3) -> NodeKey {
+        let name = camera.name.clone();
+        let key = self.add_camera_data(camera);
+        self.add(None, &name, look_at(eye, target), Content::Camera(key))
+    }
+
+    /// Adds a shadow node at the root.
+    pub fn add_shadow(&mut self, name: &str, shadow: impl Into<ShadowNode>) -> NodeKey {
+        let key = self.add_shadow_data(shadow.into());
+        self.add(None, name, DAffine3::IDENTITY, Content::Shadow(key))
+    }
+
+    /// The node behind `key`, if it is still there.
+    pub fn node(&self, key: NodeKey) -> Option<&Node> {
+        self.nodes.get(key)
+    }
+
+    /// The node behind `key` for changing its name, transform, content or visibility.
+    pub fn node_mut(&mut self, key: NodeKey) -> Option<&mut Node> {
+        self.touch();
+        self.nodes.get_mut(key)
+    }
+
+    /// Every node with its key, in no particular order.
+    pub fn nodes(&self) -> impl Iterator<Item = (NodeKey, &Node)> {
+        self.nodes.iter()
+    }
+
+    /// The nodes without a parent, in the order they were added.
+    pub fn roots(&self) -> &[NodeKey] {
+        &self.roots
+    }
+
+    /// The first node called `name`, depth first.
+    pub fn find(&self, name: &str) -> Option<NodeKey> {
+        self.depth_first().into_iter().find(|key| self.nodes[*key].name == name)
+    }
+
+    /// Every node of the forest, parents before children, in the order they were added.
+    pub fn depth_first(&self) -> Vec<NodeKey> {
+        self.roots.iter().flat_map(|root| self.subtree(*root)).collect()
+    }
+
+    /// `root` and everything under it, parents first; empty when the node is gone.
+    pub fn subtree(&self, root: NodeKey) -> Vec<NodeKey> {
+        let mut keys = Vec::new();
+        let mut open = vec![root];
+        while let Some(key) = open.pop() {
+            if let Some(node) = self.nodes.get(key) {
+                keys.push(key);
+                open.extend(node.children.iter().rev());
+            }
+        }
+        keys
+    }
+
+    /// The transform from the node's local space to the world; `None` when the node is gone.
+    pub fn world_from_local(&self, key: NodeKey) -> Option<DAffine3> {
+        let mut node = self.nodes.get(key)?;
+        let mut world_from_local = node.parent_from_local;
+        while let Some(parent) = node.parent {
+            node = &self.nodes[parent];
+            world_from_local = node.parent_from_local * world_from_local;
+        }
+        Some(world_from_local)
+    }
+
+    /// Hangs `key` under `parent` (`None`: makes it a root), keeping its local transform.
+    ///
+    /// # Errors
+    /// [`SceneError::Missing`] when either is gone, [`SceneError::Cycle`] when `parent` lies under `key`.
+    pub fn reparent(&mut self, key: NodeKey, parent: Option<NodeKey>) -> Result<(), SceneError> {
+        for key in [Some(key), parent].into_iter().flatten() {
+            if !self.nodes.contains_key(key) {
+                return Err(SceneError::Missing { what: "node", key: format!("{key:?}") });
+            }
+        }
+        if let Some(parent) = parent
+            && self.subtree(key).contains(&parent)
+        {
+            let name = |key: NodeKey| self.nodes[key].name.clone();
+            return Err(SceneError::Cycle { node: name(key), parent: name(parent) });
+        }
+        self.touch();
+        self.unlink(key);
+        self.nodes[key].parent = parent;
+        match parent {
+            Some(parent) => self.nodes[parent].children.push(key),
+            None => self.roots.push(key),
+        }
+        Ok(())
+    }
+
+    /// Removes `key` and everything under it; what the nodes referred to stays until [`Scene::remove_unused`].
+    ///
+    /// # Errors
+    /// [`SceneError::Missing`] when the node is gone already.
+    pub fn remove(&mut self, key: NodeKey) -> Result<(), SceneError> {
+        if !self.nodes.contains_key(key) {
+            return Err(SceneError::Missing { what: "node", key: format!("{key:?}") });
+        }
+        self.touch();
+        self.unlink(key);
+        for key in self.subtree(key) {
+            self.nodes.remove(key);
+        }
+        Ok(())
+    }
+
+    /// Removes every mesh, light, camera and shadow node that no node holds.
+    pub fn remove_unused(&mut self) {
+        self.touch();
+        let contents: Vec<Content> = self.nodes.values().map(|node| node.content.clone()).collect();
+        self.meshes.retain(|key, _| contents.iter().any(|c| matches!(c, Content::Mesh(m) if m.mesh == key)));
+        self.lights.retain(|key, _| contents.contains(&Content::Light(key)));
+        self.cameras.retain(|key, _| contents.contains(&Content::Camera(key)));
+        self.shadows.retain(|key, _| contents.contains(&Content::Shadow(key)));
+    }
+
+    fn unlink(&mut self, key: NodeKey) {
+        match self.nodes[key].parent {
+            Some(parent) => self.nodes[parent].children.retain(|child| *child != key),
+            None => self.roots.retain(|root| *root != key),
+        }
+    }
+}
