@@ -4,5 +4,9 @@
 //! [`shadow`] and is registered in a catalog; scenes name it in their shadow nodes.
 
 pub mod geometry;
+pub mod gpu;
+pub mod manager;
 pub mod math;
+pub mod plan;
 pub mod scene;
+pub mod shadow;

@@ -130,6 +130,13 @@ impl Mesh {
         self.bounds
     }
 
+    /// Where the origin of vertex positions in shaders lies in local space. Zero unless the mesh lies far from its
+    /// own origin: then coordinates relative to its middle keep the digits that the difference to the eye needs.
+    pub fn shader_origin(&self) -> DVec3 {
+        let center = self.bounds.center().as_vec3().as_dvec3();
+        if center.length() > 8.0 * self.bounds.radius() && center.is_finite() { center } else { DVec3::ZERO }
+    }
+
     /// Welded vertices, edges and closedness; computed on first use and kept.
     pub fn topology(&self) -> &Topology {
         self.topology.get_or_init(|| Topology::new(&self.data.positions, &self.data.indices))

@@ -75,7 +75,8 @@ pub enum SceneError {
 pub struct Scene {
     nodes: SlotMap<NodeKey, Node>,
     meshes: SlotMap<MeshKey, Arc<Mesh>>,
-    materials: SlotMap<MaterialKey, Material>,
+    materials: SlotMap<MaterialKey, Arc<Material>>,
+    default_material: Arc<Material>,
     images: SlotMap<ImageKey, Arc<Image>>,
     lights: SlotMap<LightKey, Light>,
     cameras: SlotMap<CameraKey, Camera>,
@@ -131,7 +132,6 @@ macro_rules! stores {
 
 stores! {
     "mesh" meshes: MeshKey => Arc<Mesh>, add_mesh_data, mesh, mesh_mut, meshes;
-    "material" materials: MaterialKey => Material, add_material, material, material_mut, materials;
     "image" images: ImageKey => Arc<Image>, add_image, image, image_mut, images;
     "light" lights: LightKey => Light, add_light_data, light, light_mut, lights;
     "camera" cameras: CameraKey => Camera, add_camera_data, camera, camera_mut, cameras;
@@ -145,6 +145,7 @@ impl Scene {
             nodes: SlotMap::with_key(),
             meshes: SlotMap::with_key(),
             materials: SlotMap::with_key(),
+            default_material: Arc::new(Material::default()),
             images: SlotMap::with_key(),
             lights: SlotMap::with_key(),
             cameras: SlotMap::with_key(),
@@ -154,6 +155,38 @@ impl Scene {
             background: Vec3::new(0.02, 0.024, 0.03),
             revision: next_revision(),
         }
+    }
+
+    /// Stores a material and returns its key.
+    pub fn add_material(&mut self, material: Material) -> MaterialKey {
+        self.touch();
+        self.materials.insert(Arc::new(material))
+    }
+
+    /// The material behind `key`, if it is still there.
+    pub fn material(&self, key: MaterialKey) -> Option<&Material> {
+        self.materials.get(key).map(Arc::as_ref)
+    }
+
+    /// The material behind `key` for changing; counts as a change of the scene.
+    pub fn material_mut(&mut self, key: MaterialKey) -> Option<&mut Material> {
+        self.touch();
+        self.materials.get_mut(key).map(Arc::make_mut)
+    }
+
+    /// Every material with its key.
+    pub fn materials(&self) -> impl Iterator<Item = (MaterialKey, &Material)> {
+        self.materials.iter().map(|(key, material)| (key, material.as_ref()))
+    }
+
+    /// The material behind `key`, shared: the same allocation for as long as it does not change.
+    pub(super) fn shared_material(&self, key: MaterialKey) -> Option<&Arc<Material>> {
+        self.materials.get(key)
+    }
+
+    /// What parts without a material wear.
+    pub(super) fn default_material(&self) -> &Arc<Material> {
+        &self.default_material
     }
 
     fn touch(&mut self) {

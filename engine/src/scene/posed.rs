@@ -1,6 +1,6 @@
 //! The scene at one moment, flattened: what the frame plan, the executor and the reference all work from.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::f64::consts::FRAC_PI_2;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
@@ -8,8 +8,8 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3, DVec4, Vec3};
 
 use super::{
-    AlphaMode, Camera, CameraKey, Content, Light, LightKey, LightKind, Material, NodeKey, Scene, SceneError,
-    Scope, ShadowFlags, ShadowKey, ShadowNode,
+    AlphaMode, Camera, CameraKey, Content, Image, ImageKey, Light, LightKey, LightKind, Material, NodeKey,
+    Scene, SceneError, Scope, ShadowFlags, ShadowKey, ShadowNode,
 };
 use crate::geometry::Mesh;
 use crate::math::{Aabb, Projection, ViewFrustum};
@@ -39,6 +39,11 @@ impl Instance {
     /// Vertex `vertex` in the world, in f64: the f32 input under the f64 transform.
     pub fn world_position(&self, vertex: u32) -> DVec3 {
         self.world_from_local.transform_point3(self.mesh.positions()[vertex as usize].as_dvec3())
+    }
+
+    /// The transform to the world from the space in which shaders see the vertex positions.
+    pub fn world_from_shader(&self) -> DAffine3 {
+        self.world_from_local * DAffine3::from_translation(self.mesh.shader_origin())
     }
 
     /// The corners of `triangle` in the world.
@@ -180,6 +185,8 @@ pub struct Posed {
     pub shadow_nodes: Vec<PosedShadowNode>,
     /// The box around all instances, in the world.
     pub world_bounds: Aabb,
+    /// The images materials refer to.
+    pub images: HashMap<ImageKey, Arc<Image>>,
     /// Ambient light, as in [`Scene::ambient`].
     pub ambient: Vec3,
     /// Background, as in [`Scene::background`].
@@ -199,12 +206,10 @@ impl Scene {
             cameras: Vec::new(),
             shadow_nodes: Vec::new(),
             world_bounds: Aabb::EMPTY,
+            images: self.images().map(|(key, image)| (key, Arc::clone(image))).collect(),
             ambient: self.ambient(),
             background: self.background(),
         };
-        let default_material = Arc::new(Material::default());
-        let materials: std::collections::HashMap<_, _> =
-            self.materials().map(|(key, material)| (key, Arc::new(material.clone()))).collect();
         let mut shadow_nodes = Vec::new();
         let mut open: Vec<(NodeKey, DAffine3)> =
             self.roots().iter().rev().map(|root| (*root, DAffine3::IDENTITY)).collect();
@@ -230,9 +235,9 @@ impl Scene {
                         .parts
                         .iter()
                         .map(|part| {
-                            let material =
-                                content.materials.get(part.material_slot).and_then(|k| materials.get(k));
-                            Arc::clone(material.unwrap_or(&default_material))
+                            let key = content.materials.get(part.material_slot);
+                            let material = key.and_then(|key| self.shared_material(*key));
+                            Arc::clone(material.unwrap_or(self.default_material()))
                         })
                         .collect();
                     let lit = materials.iter().any(|material| !material.unlit);

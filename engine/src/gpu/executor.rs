@@ -1,0 +1,356 @@
+//! Executing a frame plan: it does what the plan says, times it, and copies out what is asked for.
+
+use std::collections::HashMap;
+
+use wgpu::TextureFormat;
+
+use super::bindings::Layouts;
+use super::groups::group_passes;
+use super::materials::Materials;
+use super::meshes::Meshes;
+use super::pipelines::Pipelines;
+use super::readback::{Pending, read_buffer};
+use super::{FrameUniform, Gpu, GpuError, InstanceUniform, LightUniform, Pixels};
+use crate::plan::{BufferUsage, FramePlan, Geometry, SlotId, SlotKind};
+use crate::scene::{Posed, PosedCamera};
+
+mod encode;
+
+/// What is timed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Timing {
+    /// Nothing; passes are merged.
+    #[default]
+    Off,
+    /// The whole frame; passes are merged.
+    Frame,
+    /// Every pass; passes stay apart, which by itself costs a little.
+    Passes,
+}
+
+/// What a plan is executed with.
+#[derive(Clone, Copy, Debug)]
+pub struct FrameInputs<'a> {
+    /// The scene the plan was made for.
+    pub posed: &'a Posed,
+    /// The camera the plan was made for.
+    pub camera: &'a PosedCamera,
+    /// What radiance is multiplied by.
+    pub exposure: f32,
+    /// Whether radiance is mapped to picture brightness.
+    pub tone_map: bool,
+    /// What is timed.
+    pub timing: Timing,
+    /// Slots copied to the CPU when the frame is done.
+    pub read_back: &'a [SlotId],
+}
+
+/// The time of one pass, or of passes that ran as one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PassTime {
+    /// The names of the passes, joined by " + ".
+    pub name: String,
+    /// GPU time in milliseconds.
+    pub gpu_ms: f64,
+}
+
+/// What came of executing a plan.
+#[derive(Clone, Debug, Default)]
+pub struct Executed {
+    /// The slots asked for, in that order.
+    pub pixels: Vec<Pixels>,
+    /// GPU times, in order; empty when nothing was timed or the adapter has no timestamps.
+    pub times: Vec<PassTime>,
+    /// GPU time from the first pass's beginning to the last one's end, in milliseconds.
+    pub gpu_ms: Option<f64>,
+    /// Bytes on the GPU: slots, meshes, textures.
+    pub gpu_bytes: u64,
+}
+
+/// Keeps pipelines, meshes, textures and buffers between frames and executes plans.
+#[derive(Debug)]
+pub struct Executor {
+    gpu: Gpu,
+    layouts: Layouts,
+    pipelines: Pipelines,
+    meshes: Meshes,
+    materials: Materials,
+    frame_layout: wgpu::BindGroupLayout,
+    textures: HashMap<TextureKey, Kept<wgpu::Texture>>,
+    buffers: HashMap<(u64, BufferUsage), Kept<wgpu::Buffer>>,
+    uploads: u64,
+    frame: u64,
+}
+
+/// Textures of equal name and shape are the same texture from frame to frame.
+type TextureKey = (String, TextureFormat, [u32; 2], u32);
+
+#[derive(Debug)]
+struct Kept<T> {
+    value: T,
+    last_used_frame: u64,
+}
+
+/// Frames after which a buffer or texture no plan named is dropped.
+const KEPT_FRAMES: u64 = 4;
+
+/// What a slot is on the GPU during a frame.
+enum GpuSlot {
+    Texture(wgpu::Texture),
+    Buffer(wgpu::Buffer),
+}
+
+impl Executor {
+    /// An executor on `gpu`.
+    pub fn new(gpu: Gpu) -> Self {
+        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+            count: None,
+        };
+        let storage = wgpu::BufferBindingType::Storage { read_only: true };
+        let frame_layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("frame"),
+            entries: &[entry(0, wgpu::BufferBindingType::Uniform), entry(1, storage), entry(2, storage)],
+        });
+        Self {
+            layouts: Layouts::default(),
+            pipelines: Pipelines::default(),
+            meshes: Meshes::default(),
+            materials: Materials::new(&gpu),
+            frame_layout,
+            textures: HashMap::new(),
+            buffers: HashMap::new(),
+            uploads: 0,
+            frame: 0,
+            gpu,
+        }
+    }
+
+    /// The device it runs on.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// How many buffer slots were uploaded since the executor was made: in a frame in which nothing moved, none.
+    pub fn uploads(&self) -> u64 {
+        self.uploads
+    }
+
+    /// Executes `plan` and waits for it.
+    ///
+    /// # Errors
+    /// What the device reports, with the adapter's name.
+    pub fn execute(&mut self, plan: &FramePlan, inputs: &FrameInputs<'_>) -> Result<Executed, GpuError> {
+        self.begin_frame();
+        self.upload_scene(plan, inputs)?;
+        let slots = self.slots(plan);
+        let frame_group = self.frame_group(plan, inputs);
+        let groups = group_passes(plan, inputs.timing != Timing::Passes);
+        let queries = self.queries(inputs.timing, groups.len());
+
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let scene = encode::Scene { plan, posed: inputs.posed, slots: &slots, frame_group: &frame_group };
+        for (index, group) in groups.iter().enumerate() {
+            let stamps = queries.as_ref().map(|(set, _)| wgpu::RenderPassTimestampWrites {
+                query_set: set,
+                beginning_of_pass_write_index: Some(index as u32 * 2),
+                end_of_pass_write_index: Some(index as u32 * 2 + 1),
+            });
+            self.encode_group(&scene, group, stamps, &mut encoder);
+        }
+        if let Some((set, resolved)) = &queries {
+            let count = groups.len() as u32 * 2;
+            let on_gpu = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("timestamps"),
+                size: resolved.size(),
+                usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            });
+            encoder.resolve_query_set(set, 0..count, &on_gpu, 0);
+            encoder.copy_buffer_to_buffer(&on_gpu, 0, resolved, 0, resolved.size());
+        }
+        let mut copies = Vec::new();
+        for slot in inputs.read_back {
+            if let GpuSlot::Texture(texture) = &slots[slot.0] {
+                copies.push(Pending::record(&self.gpu, &mut encoder, texture)?);
+            }
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.wait()?;
+
+        let mut executed = Executed {
+            gpu_bytes: plan.bytes() + self.meshes.bytes() + self.materials.bytes(),
+            ..Executed::default()
+        };
+        for copy in copies {
+            executed.pixels.push(copy.finish(&self.gpu)?);
+        }
+        if let Some((_, resolved)) = queries {
+            let stamps: Vec<u64> = bytemuck::pod_collect_to_vec(&read_buffer(&self.gpu, &resolved)?);
+            let ms_per_tick = f64::from(self.gpu.queue.get_timestamp_period()) * 1e-6;
+            // Clocks of some drivers step back between passes; a negative time is reported as none.
+            let elapsed = |from: u64, to: u64| to.saturating_sub(from) as f64 * ms_per_tick;
+            if let (Some(first), Some(last)) = (stamps.first(), stamps.get(groups.len() * 2 - 1)) {
+                executed.gpu_ms = Some(elapsed(*first, *last));
+            }
+            executed.times = groups
+                .iter()
+                .zip(stamps.chunks_exact(2))
+                .map(|(group, stamp)| PassTime {
+                    name: plan.passes[group.passes.clone()]
+                        .iter()
+                        .map(|p| p.name.as_str())
+                        .collect::<Vec<_>>()
+                        .join(" + "),
+                    gpu_ms: elapsed(stamp[0], stamp[1]),
+                })
+                .collect();
+        }
+        Ok(executed)
+    }
+
+    fn begin_frame(&mut self) {
+        self.frame += 1;
+        self.meshes.begin_frame();
+        self.materials.begin_frame();
+        let oldest = self.frame.saturating_sub(KEPT_FRAMES);
+        self.textures.retain(|_, kept| kept.last_used_frame >= oldest);
+        self.buffers.retain(|_, kept| kept.last_used_frame >= oldest);
+    }
+
+    /// Uploads the meshes and materials that the plan's draws name.
+    fn upload_scene(&mut self, plan: &FramePlan, inputs: &FrameInputs<'_>) -> Result<(), GpuError> {
+        for draw in plan.passes.iter().flat_map(|pass| &pass.draws) {
+            match &draw.geometry {
+                Geometry::Surfaces { parts, .. } => {
+                    for (instance, part) in parts {
+                        let instance = &inputs.posed.instances[*instance as usize];
+                        self.meshes.upload(&self.gpu, &instance.mesh)?;
+                        let material = &instance.materials[*part as usize];
+                        self.materials.upload(&self.gpu, material, &inputs.posed.images)?;
+                    }
+                }
+                Geometry::Indexed { instance, .. } => {
+                    self.meshes.upload(&self.gpu, &inputs.posed.instances[*instance as usize].mesh)?;
+                }
+                Geometry::Procedural { .. } => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Textures and buffers of the plan: last frame's where they are the same.
+    fn slots(&mut self, plan: &FramePlan) -> Vec<GpuSlot> {
+        let frame = self.frame;
+        let mut slots = Vec::with_capacity(plan.slots.len());
+        for slot in &plan.slots {
+            slots.push(match &slot.kind {
+                SlotKind::Texture { format, size_px, layers } => {
+                    let key = (slot.name.clone(), *format, *size_px, *layers);
+                    let kept = self.textures.entry(key).or_insert_with(|| Kept {
+                        value: self.gpu.device.create_texture(&wgpu::TextureDescriptor {
+                            label: Some(&slot.name),
+                            size: wgpu::Extent3d {
+                                width: size_px[0],
+                                height: size_px[1],
+                                depth_or_array_layers: *layers,
+                            },
+                            mip_level_count: 1,
+                            sample_count: 1,
+                            dimension: wgpu::TextureDimension::D2,
+                            format: *format,
+                            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                                | wgpu::TextureUsages::TEXTURE_BINDING
+                                | wgpu::TextureUsages::COPY_SRC,
+                            view_formats: &[],
+                        }),
+                        last_used_frame: frame,
+                    });
+                    kept.last_used_frame = frame;
+                    GpuSlot::Texture(kept.value.clone())
+                }
+                SlotKind::Buffer { usage, revision_key, contents } => {
+                    let kept = self.buffers.entry((*revision_key, *usage)).or_insert_with(|| {
+                        self.uploads += 1;
+                        let flag = match usage {
+                            BufferUsage::Storage => wgpu::BufferUsages::STORAGE,
+                            BufferUsage::Index => wgpu::BufferUsages::INDEX,
+                        };
+                        Kept { value: self.gpu.buffer(&slot.name, flag, &contents.0), last_used_frame: frame }
+                    });
+                    kept.last_used_frame = frame;
+                    GpuSlot::Buffer(kept.value.clone())
+                }
+            });
+        }
+        slots
+    }
+
+    /// Group 0: the frame, the instances and the lights as this camera sees them.
+    fn frame_group(&self, plan: &FramePlan, inputs: &FrameInputs<'_>) -> wgpu::BindGroup {
+        let FrameInputs { posed, camera, exposure, tone_map, .. } = *inputs;
+        let view_from_world = camera.world_from_view.inverse();
+        let mut first_triangle = 0;
+        let mut instances = Vec::with_capacity(posed.instances.len());
+        for instance in &posed.instances {
+            instances.push(InstanceUniform::new(instance, &view_from_world, first_triangle));
+            first_triangle += instance.mesh.triangle_count() as u32;
+        }
+        let lights: Vec<_> = posed
+            .lights
+            .iter()
+            .zip(&plan.lights)
+            .map(|(light, planned)| LightUniform::new(light, planned.factor, &view_from_world, exposure))
+            .collect();
+        let frame = FrameUniform::new(posed, camera, plan.size_px, exposure, tone_map);
+        let gpu = &self.gpu;
+        let buffers = [
+            gpu.buffer("frame", wgpu::BufferUsages::UNIFORM, bytemuck::bytes_of(&frame)),
+            gpu.buffer(
+                "instances",
+                wgpu::BufferUsages::STORAGE,
+                &at_least(bytemuck::cast_slice(&instances), 112),
+            ),
+            gpu.buffer("lights", wgpu::BufferUsages::STORAGE, &at_least(bytemuck::cast_slice(&lights), 64)),
+        ];
+        let entries: Vec<_> = buffers
+            .iter()
+            .zip(0..)
+            .map(|(buffer, binding)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .collect();
+        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("frame"),
+            layout: &self.frame_layout,
+            entries: &entries,
+        })
+    }
+
+    fn queries(&self, timing: Timing, groups: usize) -> Option<(wgpu::QuerySet, wgpu::Buffer)> {
+        let limit = wgpu::QUERY_SET_MAX_QUERIES as usize;
+        if timing == Timing::Off
+            || groups * 2 > limit
+            || !self.gpu.features.contains(wgpu::Features::TIMESTAMP_QUERY)
+        {
+            return None;
+        }
+        let set = self.gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
+            label: Some("pass times"),
+            ty: wgpu::QueryType::Timestamp,
+            count: groups as u32 * 2,
+        });
+        let buffer = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("pass times"),
+            size: groups as u64 * 16,
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        Some((set, buffer))
+    }
+}
+
+/// `bytes`, or `size` zeros when there are none: an empty array cannot be bound.
+fn at_least(bytes: &[u8], size: usize) -> std::borrow::Cow<'_, [u8]> {
+    if bytes.is_empty() { vec![0; size].into() } else { bytes.into() }
+}

@@ -1,0 +1,439 @@
+//! Recording one group of passes.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+
+use wgpu::TextureFormat;
+
+use super::super::bindings::{BindKind, SampleKind};
+use super::super::groups::{PassGroup, place_of};
+use super::super::meshes::GpuMesh;
+use super::super::pipelines::{Culling, VertexInput, Wanted};
+use super::{Executor, GpuSlot};
+use crate::plan::{
+    Access, Binding, BlendState, ColorTarget, DepthTarget, Draw, FramePlan, Geometry, Load, Pass, Shader,
+    SlotId, SlotKind, SurfaceStyle,
+};
+use crate::scene::{AlphaMode, Instance, Material, Posed};
+
+/// What recording needs to know besides the executor's own stores.
+pub(super) struct Scene<'a> {
+    pub(super) plan: &'a FramePlan,
+    pub(super) posed: &'a Posed,
+    pub(super) slots: &'a [GpuSlot],
+    pub(super) frame_group: &'a wgpu::BindGroup,
+}
+
+/// The formats of a render pass, and where each plan pass's targets are among them.
+struct PassShape<'a> {
+    group: &'a PassGroup,
+    formats: Vec<TextureFormat>,
+    depth_format: Option<TextureFormat>,
+}
+
+/// Bind groups made for this group of passes, by what they hold.
+type DrawGroups = HashMap<(Vec<(u32, Binding)>, Option<u64>), wgpu::BindGroup>;
+
+impl Scene<'_> {
+    fn texture(&self, slot: SlotId) -> Option<&wgpu::Texture> {
+        match &self.slots[slot.0] {
+            GpuSlot::Texture(texture) => Some(texture),
+            GpuSlot::Buffer(_) => None,
+        }
+    }
+
+    fn format(&self, slot: SlotId) -> TextureFormat {
+        match self.plan.slot(slot).kind {
+            SlotKind::Texture { format, .. } => format,
+            SlotKind::Buffer { .. } => TextureFormat::R8Unorm,
+        }
+    }
+
+    fn view(&self, slot: SlotId, descriptor: &wgpu::TextureViewDescriptor<'_>) -> Option<wgpu::TextureView> {
+        Some(self.texture(slot)?.create_view(descriptor))
+    }
+}
+
+impl Executor {
+    /// Records one group as one render pass.
+    pub(super) fn encode_group(
+        &mut self,
+        scene: &Scene<'_>,
+        group: &PassGroup,
+        timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+        encoder: &mut wgpu::CommandEncoder,
+    ) {
+        let passes = &scene.plan.passes[group.passes.clone()];
+        let views: Vec<_> = group.colors.iter().filter_map(|color| color_view(scene, color)).collect();
+        let color_attachments: Vec<_> = group
+            .colors
+            .iter()
+            .zip(&views)
+            .map(|(color, view)| Some(color_attachment(color, view)))
+            .collect();
+        let depth_view = group.depth.as_ref().and_then(|depth| scene.view(depth.slot, &Default::default()));
+        let depth_stencil_attachment =
+            group.depth.as_ref().zip(depth_view.as_ref()).map(|(depth, view)| depth_attachment(depth, view));
+        let label = passes.first().map(|pass| pass.name.as_str());
+        let mut render = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label,
+            color_attachments: &color_attachments,
+            depth_stencil_attachment,
+            timestamp_writes,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        render.set_bind_group(0, scene.frame_group, &[]);
+        let shape = PassShape {
+            group,
+            formats: group.colors.iter().map(|color| scene.format(color.slot)).collect(),
+            depth_format: group.depth.as_ref().map(|depth| scene.format(depth.slot)),
+        };
+        let mut draw_groups = DrawGroups::new();
+        for pass in passes {
+            let first = pass.colors.first().map(|c| c.slot).or(pass.depth.as_ref().map(|d| d.slot));
+            let size = first.and_then(|slot| scene.texture(slot)).map(|t| [t.width(), t.height()]);
+            for draw in &pass.draws {
+                let [x, y, width, height] =
+                    draw.scissor_px.or(size.map(|[w, h]| [0, 0, w, h])).unwrap_or_default();
+                if width == 0 || height == 0 {
+                    continue;
+                }
+                render.set_scissor_rect(x, y, width, height);
+                if let Some(stencil) = draw.state.stencil {
+                    render.set_stencil_reference(stencil.reference.into());
+                }
+                let [r, g, b, a] = draw.state.blend_constant;
+                render.set_blend_constant(wgpu::Color { r, g, b, a });
+                self.encode_draw(scene, &shape, pass, draw, &mut draw_groups, &mut render);
+            }
+        }
+    }
+
+    fn encode_draw(
+        &mut self,
+        scene: &Scene<'_>,
+        shape: &PassShape<'_>,
+        pass: &Pass,
+        draw: &Draw,
+        groups: &mut DrawGroups,
+        render: &mut wgpu::RenderPass<'_>,
+    ) {
+        match &draw.geometry {
+            Geometry::Surfaces { style, parts, .. } => {
+                for (index, part) in parts {
+                    self.encode_surface(scene, shape, pass, draw, (*style, *index, *part), groups, render);
+                }
+            }
+            Geometry::Indexed { instance, indices, first, count, record } => {
+                let Some(shader) = &draw.shader else { return };
+                let mesh = &scene.posed.instances[*instance as usize];
+                self.set_pipeline(
+                    scene,
+                    shape,
+                    pass,
+                    draw,
+                    shader,
+                    Surface::Technique { indexed: true },
+                    render,
+                );
+                let group = self.draw_group(scene, draw, Some(mesh), false, groups);
+                render.set_bind_group(1, &group, &[]);
+                if let GpuSlot::Buffer(buffer) = &scene.slots[indices.0] {
+                    render.set_index_buffer(buffer.slice(..), wgpu::IndexFormat::Uint32);
+                    render.draw_indexed(*first..first + count, 0, *record..record + 1);
+                }
+            }
+            Geometry::Procedural { vertices, instances } => {
+                let Some(shader) = &draw.shader else { return };
+                self.set_pipeline(
+                    scene,
+                    shape,
+                    pass,
+                    draw,
+                    shader,
+                    Surface::Technique { indexed: false },
+                    render,
+                );
+                let group = self.draw_group(scene, draw, None, false, groups);
+                render.set_bind_group(1, &group, &[]);
+                render.draw(0..*vertices, 0..*instances);
+            }
+        }
+    }
+
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "private, and each is a different thing a surface is drawn with"
+    )]
+    fn encode_surface(
+        &mut self,
+        scene: &Scene<'_>,
+        shape: &PassShape<'_>,
+        pass: &Pass,
+        draw: &Draw,
+        (style, index, part): (SurfaceStyle, u32, u32),
+        groups: &mut DrawGroups,
+        render: &mut wgpu::RenderPass<'_>,
+    ) {
+        let instance = &scene.posed.instances[index as usize];
+        let material = &instance.materials[part as usize];
+        let triangles = &instance.mesh.data().parts[part as usize].triangles;
+        let run = triangles.start * 3..triangles.end * 3;
+        let culling = match (material.double_sided, instance.world_from_local.matrix3.determinant() < 0.0) {
+            (true, _) => Culling::None,
+            (false, false) => Culling::Back,
+            (false, true) => Culling::BackMirrored,
+        };
+        let shader = match (&draw.shader, surface_shader(style, draw, material)) {
+            (Some(shader), _) => shader.clone(),
+            (None, Some(shader)) => shader,
+            (None, None) => return,
+        };
+        let surface = Surface::Mesh { style, masked: is_masked(material), culling };
+        self.set_pipeline(scene, shape, pass, draw, &shader, surface, render);
+        let group = self.draw_group(scene, draw, Some(instance), style == SurfaceStyle::Pulled, groups);
+        render.set_bind_group(1, &group, &[]);
+        let Some(mesh) = self.meshes.get(&instance.mesh) else { return };
+        if style == SurfaceStyle::Pulled {
+            render.draw(run, index..index + 1);
+            return;
+        }
+        if surface.has_material()
+            && let Some(group) = self.materials.get(material)
+        {
+            render.set_bind_group(2, group, &[]);
+        }
+        render.set_vertex_buffer(0, mesh.positions.slice(..));
+        render.set_vertex_buffer(1, mesh.attributes.slice(..));
+        render.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
+        render.draw_indexed(run, 0, index..index + 1);
+    }
+
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "private, and each is a different thing a pipeline depends on"
+    )]
+    fn set_pipeline(
+        &mut self,
+        scene: &Scene<'_>,
+        shape: &PassShape<'_>,
+        pass: &Pass,
+        draw: &Draw,
+        shader: &Shader,
+        surface: Surface,
+        render: &mut wgpu::RenderPass<'_>,
+    ) {
+        // Targets of other passes in the group are left alone.
+        let mut targets: Vec<(TextureFormat, Option<BlendState>)> =
+            shape.formats.iter().map(|f| (*f, None)).collect();
+        for (color, blend) in pass.colors.iter().zip(&draw.state.targets) {
+            if let Some(place) = place_of(&shape.group.colors, color) {
+                targets[place].1 = *blend;
+            }
+        }
+        let kinds = draw_kinds(scene, draw, surface);
+        let wanted = Wanted {
+            shader,
+            state: &draw.state,
+            kinds: &kinds,
+            with_material: surface.has_material(),
+            input: surface.input(),
+            culling: if let Surface::Mesh { culling, .. } = surface { culling } else { Culling::None },
+            targets,
+            depth_format: shape.depth_format,
+        };
+        let Self { gpu, layouts, pipelines, frame_layout, materials, .. } = self;
+        let pipeline = pipelines.get(gpu, layouts, frame_layout, &materials.layout, &wanted);
+        render.set_pipeline(&pipeline);
+    }
+
+    /// Group 1: the mesh's own buffers where the geometry brings them, then the draw's bindings.
+    fn draw_group(
+        &mut self,
+        scene: &Scene<'_>,
+        draw: &Draw,
+        instance: Option<&Instance>,
+        pulled: bool,
+        groups: &mut DrawGroups,
+    ) -> wgpu::BindGroup {
+        let brings_positions = pulled || matches!(draw.geometry, Geometry::Indexed { .. });
+        let instance = instance.filter(|_| brings_positions);
+        let key = (draw.bindings.clone(), instance.map(|instance| instance.mesh.id()));
+        if let Some(group) = groups.get(&key) {
+            return group.clone();
+        }
+        let surface = if pulled {
+            Surface::Mesh { style: SurfaceStyle::Pulled, masked: false, culling: Culling::None }
+        } else {
+            Surface::Technique { indexed: instance.is_some() }
+        };
+        let layout = self.layouts.get(&self.gpu, &draw_kinds(scene, draw, surface));
+        let mesh: Option<&GpuMesh> = instance.and_then(|instance| self.meshes.get(&instance.mesh));
+        let mut entries = Vec::new();
+        if let Some(mesh) = mesh {
+            entries.push(wgpu::BindGroupEntry { binding: 0, resource: mesh.positions.as_entire_binding() });
+            if pulled {
+                entries.push(wgpu::BindGroupEntry { binding: 1, resource: mesh.indices.as_entire_binding() });
+            }
+        }
+        let views: Vec<_> = draw.bindings.iter().map(|(_, binding)| binding_view(scene, binding)).collect();
+        for ((number, binding), view) in draw.bindings.iter().zip(&views) {
+            let resource = match (&scene.slots[binding.slot().0], view) {
+                (GpuSlot::Buffer(buffer), _) => buffer.as_entire_binding(),
+                (GpuSlot::Texture(_), Some(view)) => wgpu::BindingResource::TextureView(view),
+                (GpuSlot::Texture(_), None) => continue,
+            };
+            entries.push(wgpu::BindGroupEntry { binding: *number, resource });
+        }
+        let group = self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(&draw.name),
+            layout: &layout,
+            entries: &entries,
+        });
+        groups.insert(key, group.clone());
+        group
+    }
+}
+
+/// What kind of geometry a pipeline is for.
+#[derive(Clone, Copy)]
+enum Surface {
+    Mesh { style: SurfaceStyle, masked: bool, culling: Culling },
+    Technique { indexed: bool },
+}
+
+impl Surface {
+    fn has_material(self) -> bool {
+        match self {
+            Self::Mesh { style: SurfaceStyle::Opaque | SurfaceStyle::Blended, .. } => true,
+            Self::Mesh { style: SurfaceStyle::Depth, masked, .. } => masked,
+            Self::Mesh { style: SurfaceStyle::Pulled, .. } | Self::Technique { .. } => false,
+        }
+    }
+
+    fn input(self) -> VertexInput {
+        match self {
+            Self::Technique { .. } | Self::Mesh { style: SurfaceStyle::Pulled, .. } => VertexInput::None,
+            Self::Mesh { style: SurfaceStyle::Depth, masked: false, .. } => VertexInput::Positions,
+            Self::Mesh { .. } => VertexInput::All,
+        }
+    }
+}
+
+fn is_masked(material: &Material) -> bool {
+    matches!(material.alpha_mode, AlphaMode::Mask { .. })
+}
+
+/// The engine's own shaders for surfaces.
+fn surface_shader(style: SurfaceStyle, draw: &Draw, material: &Material) -> Option<Shader> {
+    let (name, fragment): (&str, Option<&'static str>) = match style {
+        SurfaceStyle::Depth if is_masked(material) => ("surface_shade", Some("masked_depth")),
+        SurfaceStyle::Depth => ("surface_depth", None),
+        SurfaceStyle::Opaque => ("surface_shade", Some("opaque")),
+        SurfaceStyle::Blended => ("surface_shade", Some("blended")),
+        SurfaceStyle::Pulled => return None,
+    };
+    let flags: Vec<&str> = draw
+        .bindings
+        .iter()
+        .filter_map(|(number, _)| ["COUNTS", "MASK", "VISIBILITY"].get(*number as usize).copied())
+        .collect();
+    Some(Shader {
+        name: Cow::Owned(format!("{name} {}", flags.join(" "))),
+        source: shadowgraph_shaders::compose_named(name, &flags).ok()?.into(),
+        vertex: "vertex".into(),
+        fragment: fragment.map(Into::into),
+    })
+}
+
+/// The layout of group 1.
+fn draw_kinds(scene: &Scene<'_>, draw: &Draw, surface: Surface) -> Vec<(u32, BindKind)> {
+    let own = match surface {
+        Surface::Mesh { style: SurfaceStyle::Pulled, .. } => 2,
+        Surface::Technique { indexed: true } => 1,
+        _ => 0,
+    };
+    let mut kinds: Vec<_> = (0..own).map(|binding| (binding, BindKind::Storage)).collect();
+    for (number, binding) in &draw.bindings {
+        let sample = SampleKind::of(scene.format(binding.slot()));
+        let kind = match binding {
+            Binding::Storage(_) => BindKind::Storage,
+            Binding::Texture(_) => BindKind::Texture { sample, array: false },
+            Binding::TextureArray(_) | Binding::TextureLayer(..) => BindKind::Texture { sample, array: true },
+            Binding::StencilOf(_) => BindKind::Texture { sample: SampleKind::Uint, array: false },
+        };
+        kinds.push((*number, kind));
+    }
+    kinds
+}
+
+fn binding_view(scene: &Scene<'_>, binding: &Binding) -> Option<wgpu::TextureView> {
+    let mut descriptor = wgpu::TextureViewDescriptor::default();
+    match binding {
+        Binding::Storage(_) => return None,
+        Binding::Texture(slot) => {
+            descriptor.dimension = Some(wgpu::TextureViewDimension::D2);
+            descriptor.array_layer_count = Some(1);
+            if scene.format(*slot).is_depth_stencil_format() {
+                descriptor.aspect = wgpu::TextureAspect::DepthOnly;
+            }
+        }
+        Binding::TextureArray(_) => descriptor.dimension = Some(wgpu::TextureViewDimension::D2Array),
+        Binding::TextureLayer(_, layer) => {
+            descriptor.dimension = Some(wgpu::TextureViewDimension::D2Array);
+            descriptor.base_array_layer = *layer;
+            descriptor.array_layer_count = Some(1);
+        }
+        Binding::StencilOf(_) => descriptor.aspect = wgpu::TextureAspect::StencilOnly,
+    }
+    scene.view(binding.slot(), &descriptor)
+}
+
+fn color_view(scene: &Scene<'_>, color: &ColorTarget) -> Option<wgpu::TextureView> {
+    scene.view(
+        color.slot,
+        &wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2),
+            base_array_layer: color.layer,
+            array_layer_count: Some(1),
+            ..Default::default()
+        },
+    )
+}
+
+fn color_attachment<'a>(
+    color: &ColorTarget,
+    view: &'a wgpu::TextureView,
+) -> wgpu::RenderPassColorAttachment<'a> {
+    let load = match color.load {
+        Load::Clear([r, g, b, a]) => wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
+        Load::Keep => wgpu::LoadOp::Load,
+    };
+    wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+    }
+}
+
+fn depth_attachment<'a>(
+    depth: &DepthTarget,
+    view: &'a wgpu::TextureView,
+) -> wgpu::RenderPassDepthStencilAttachment<'a> {
+    let store = wgpu::StoreOp::Store;
+    let depth_ops = match depth.depth {
+        Access::ReadOnly => None,
+        Access::Keep => Some(wgpu::Operations { load: wgpu::LoadOp::Load, store }),
+        Access::Clear(value) => Some(wgpu::Operations { load: wgpu::LoadOp::Clear(value), store }),
+    };
+    let stencil_ops = match depth.stencil {
+        None | Some(Access::ReadOnly) => None,
+        Some(Access::Keep) => Some(wgpu::Operations { load: wgpu::LoadOp::Load, store }),
+        Some(Access::Clear(value)) => {
+            Some(wgpu::Operations { load: wgpu::LoadOp::Clear(value as u32), store })
+        }
+    };
+    wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops }
+}

@@ -1,0 +1,16 @@
+//! Everything that needs a device: choosing an adapter, keeping meshes and textures on it, executing plans.
+
+mod bindings;
+mod context;
+mod executor;
+mod groups;
+mod materials;
+mod meshes;
+mod pipelines;
+mod readback;
+mod uniforms;
+
+pub use context::{AdapterChoice, Gpu, GpuError};
+pub use executor::{Executed, Executor, FrameInputs, PassTime, Timing};
+pub use readback::{Pixels, PixelsError};
+pub use uniforms::{FrameUniform, InstanceUniform, Layout, LightUniform};

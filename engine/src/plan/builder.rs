@@ -1,0 +1,71 @@
+//! Building a plan: slots, passes and notes as they are found to be needed.
+
+use std::sync::Arc;
+
+use wgpu::TextureFormat;
+
+use super::{BufferUsage, Contents, Pass, Slot, SlotId, SlotKind};
+
+/// A plan in the making.
+#[derive(Clone, Debug)]
+pub struct PlanBuilder {
+    /// Width and height of the picture, in pixels.
+    pub size_px: [u32; 2],
+    /// Textures and buffers so far.
+    pub slots: Vec<Slot>,
+    /// Passes so far, in order.
+    pub passes: Vec<Pass>,
+    /// What was left out, and why.
+    pub notes: Vec<String>,
+}
+
+impl PlanBuilder {
+    /// An empty plan for a picture of this size.
+    pub fn new(size_px: [u32; 2]) -> Self {
+        Self { size_px, slots: Vec::new(), passes: Vec::new(), notes: Vec::new() }
+    }
+
+    /// Adds a texture as large as the picture.
+    pub fn texture(&mut self, name: &str, format: TextureFormat, layers: u32, reason: &str) -> SlotId {
+        self.texture_sized(name, format, self.size_px, layers, reason)
+    }
+
+    /// Adds a texture of any size.
+    pub fn texture_sized(
+        &mut self,
+        name: &str,
+        format: TextureFormat,
+        size_px: [u32; 2],
+        layers: u32,
+        reason: &str,
+    ) -> SlotId {
+        self.slot(name, SlotKind::Texture { format, size_px, layers }, reason)
+    }
+
+    /// Adds a buffer with contents whose origin hashes to `revision_key`. A buffer with the same key and use is
+    /// added once.
+    pub fn buffer(
+        &mut self,
+        name: &str,
+        usage: BufferUsage,
+        revision_key: u64,
+        contents: Arc<Vec<u8>>,
+        reason: &str,
+    ) -> SlotId {
+        let same = |slot: &Slot| matches!(slot.kind, SlotKind::Buffer { usage: u, revision_key: key, .. } if u == usage && key == revision_key);
+        if let Some(index) = self.slots.iter().position(same) {
+            return SlotId(index);
+        }
+        self.slot(name, SlotKind::Buffer { usage, revision_key, contents: Contents(contents) }, reason)
+    }
+
+    fn slot(&mut self, name: &str, kind: SlotKind, reason: &str) -> SlotId {
+        self.slots.push(Slot { name: name.into(), kind, reason: reason.into() });
+        SlotId(self.slots.len() - 1)
+    }
+
+    /// Notes something that was left out.
+    pub fn note(&mut self, note: impl Into<String>) {
+        self.notes.push(note.into());
+    }
+}

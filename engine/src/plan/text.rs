@@ -1,0 +1,113 @@
+//! The plan as text: what `inspect` prints and plan tests read.
+
+use std::fmt;
+
+use super::{Access, BufferUsage, Draw, FramePlan, Geometry, Load, Pass, Slot, SlotId, SlotKind};
+
+/// Draws listed one by one in a pass's text; the rest are summed up.
+const DRAWS_SHOWN: usize = 8;
+
+impl fmt::Display for FramePlan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [width, height] = self.size_px;
+        let draws: usize = self.passes.iter().map(|pass| pass.draws.len()).sum();
+        writeln!(
+            f,
+            "frame {width}x{height}: {} passes, {draws} draws, {} bytes",
+            self.passes.len(),
+            self.bytes()
+        )?;
+        for (index, slot) in self.slots.iter().enumerate() {
+            writeln!(f, "  slot {index} {slot}")?;
+        }
+        for light in &self.lights {
+            let techniques =
+                if light.techniques.is_empty() { "no shadow".into() } else { light.techniques.join(", ") };
+            writeln!(f, "  light {}: {techniques} -> {:?}", light.name, light.factor)?;
+        }
+        for pass in &self.passes {
+            self.write_pass(f, pass)?;
+        }
+        for note in &self.notes {
+            writeln!(f, "  left out: {note}")?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Slot {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "'{}' ", self.name)?;
+        match &self.kind {
+            SlotKind::Texture { format, size_px: [width, height], layers } => {
+                write!(f, "{format:?} {width}x{height}")?;
+                if *layers > 1 {
+                    write!(f, "x{layers}")?;
+                }
+            }
+            SlotKind::Buffer { usage: BufferUsage::Storage, .. } => write!(f, "storage buffer")?,
+            SlotKind::Buffer { usage: BufferUsage::Index, .. } => write!(f, "index buffer")?,
+        }
+        write!(f, ", {} bytes: {}", self.bytes(), self.reason)
+    }
+}
+
+impl FramePlan {
+    fn name_of(&self, slot: SlotId) -> &str {
+        &self.slots[slot.0].name
+    }
+
+    fn write_pass(&self, f: &mut fmt::Formatter<'_>, pass: &Pass) -> fmt::Result {
+        writeln!(f, "  pass '{}': {}", pass.name, pass.reason)?;
+        for color in &pass.colors {
+            let load = match color.load {
+                Load::Clear(_) => "clear",
+                Load::Keep => "keep",
+            };
+            writeln!(f, "    color '{}' layer {} {load}", self.name_of(color.slot), color.layer)?;
+        }
+        if let Some(depth) = &pass.depth {
+            let access = |access: Access| match access {
+                Access::ReadOnly => "read".to_owned(),
+                Access::Keep => "write".to_owned(),
+                Access::Clear(value) => format!("clear {value}"),
+            };
+            write!(f, "    depth '{}' {}", self.name_of(depth.slot), access(depth.depth))?;
+            match depth.stencil {
+                Some(stencil) => writeln!(f, ", stencil {}", access(stencil))?,
+                None => writeln!(f)?,
+            }
+        }
+        for draw in pass.draws.iter().take(DRAWS_SHOWN) {
+            self.write_draw(f, draw)?;
+        }
+        if pass.draws.len() > DRAWS_SHOWN {
+            let rest = &pass.draws[DRAWS_SHOWN..];
+            let vertices: u64 = rest.iter().map(Draw::vertices).sum();
+            writeln!(f, "    ... and {} draws more, {vertices} vertices", rest.len())?;
+        }
+        Ok(())
+    }
+
+    fn write_draw(&self, f: &mut fmt::Formatter<'_>, draw: &Draw) -> fmt::Result {
+        write!(f, "    draw '{}' ", draw.name)?;
+        match &draw.geometry {
+            Geometry::Surfaces { style, parts, .. } => {
+                write!(f, "{style:?} surfaces, {} parts, ", parts.len())?
+            }
+            Geometry::Indexed { .. } => write!(f, "indexed, ")?,
+            Geometry::Procedural { .. } => write!(f, "procedural, ")?,
+        }
+        write!(f, "{} vertices", draw.vertices())?;
+        if let Some(shader) = &draw.shader {
+            write!(f, " by {}", shader.name)?;
+        }
+        for (_, binding) in &draw.bindings {
+            write!(f, ", reads '{}'", self.name_of(binding.slot()))?;
+        }
+        if let Some([x, y, width, height]) = draw.scissor_px {
+            write!(f, ", within {width}x{height}+{x}+{y}")?;
+        }
+        writeln!(f)
+    }
+}

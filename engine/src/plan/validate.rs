@@ -1,0 +1,276 @@
+//! What must hold for a plan to make sense. A plan that fails here would fail, or silently err, on the GPU.
+
+use std::collections::HashSet;
+
+use thiserror::Error;
+
+use super::{
+    Access, Binding, ColorTarget, FactorAt, FramePlan, Geometry, Load, Pass, Slot, SlotId, SlotKind,
+    StencilOperation,
+};
+
+/// Why a plan is not valid.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
+pub enum PlanError {
+    #[error("pass '{pass}' names slot {slot}, but the plan has {count} slots")]
+    NoSuchSlot { pass: String, slot: usize, count: usize },
+    #[error("pass '{pass}' reads '{slot}' before anything wrote it")]
+    ReadBeforeWrite { pass: String, slot: String },
+    #[error("pass '{pass}' keeps the contents of '{slot}', which nothing cleared")]
+    MissingClear { pass: String, slot: String },
+    #[error("pass '{pass}' uses '{slot}' as {needed}, but it is {found}")]
+    WrongKind { pass: String, slot: String, needed: &'static str, found: String },
+    #[error("pass '{pass}' reads '{slot}' while writing it")]
+    ReadWhileWritten { pass: String, slot: String },
+    #[error("draw '{draw}' of pass '{pass}' states {given} colour targets, the pass has {needed}")]
+    TargetCount { pass: String, draw: String, given: usize, needed: usize },
+    #[error(
+        "draw '{draw}' of pass '{pass}' writes {aspect}, which the pass attaches read-only or not at all"
+    )]
+    NotWritable { pass: String, draw: String, aspect: &'static str },
+    #[error("draw '{draw}' of pass '{pass}' takes indices {first}..{end} of '{slot}', which has {count}")]
+    IndexRange { pass: String, draw: String, slot: String, first: u32, end: u64, count: u64 },
+    #[error(
+        "draw '{draw}' of pass '{pass}' is confined to {scissor:?}, which leaves the {width}x{height} target"
+    )]
+    ScissorOutside { pass: String, draw: String, scissor: [u32; 4], width: u32, height: u32 },
+    #[error("the factor of light '{light}' is expected in {place}, which no pass writes")]
+    FactorNeverWritten { light: String, place: String },
+    #[error(
+        "counts of pass '{pass}' within {counted:?} are resolved only within {resolved:?}: they would leak into the next light"
+    )]
+    CountsLeak { pass: String, counted: [u32; 4], resolved: [u32; 4] },
+}
+
+impl FramePlan {
+    /// Checks the whole plan.
+    ///
+    /// # Errors
+    /// The first thing found wrong, naming pass and slot.
+    pub fn validate(&self) -> Result<(), PlanError> {
+        let mut written: HashSet<(SlotId, u32)> = HashSet::new();
+        let mut stencil_cleared = false;
+        for pass in &self.passes {
+            for color in &pass.colors {
+                self.check_color(pass, color, &written)?;
+            }
+            if let Some(depth) = &pass.depth {
+                let slot = self.slot_of(pass, depth.slot)?;
+                let stencil_format = format_of(slot).is_some_and(|f| f.has_stencil_aspect());
+                if !format_of(slot).is_some_and(|f| f.has_depth_aspect())
+                    || depth.stencil.is_some() != stencil_format
+                {
+                    return Err(wrong_kind(pass, slot, "a depth attachment with the stated stencil"));
+                }
+                if !matches!(depth.depth, Access::Clear(_)) && !written.contains(&(depth.slot, 0)) {
+                    return Err(PlanError::MissingClear { pass: pass.name.clone(), slot: slot.name.clone() });
+                }
+                match depth.stencil {
+                    Some(Access::Clear(_)) => stencil_cleared = true,
+                    Some(_) if !stencil_cleared => {
+                        let slot = format!("{} (stencil)", slot.name);
+                        return Err(PlanError::MissingClear { pass: pass.name.clone(), slot });
+                    }
+                    _ => {}
+                }
+            }
+            self.check_draws(pass, &written)?;
+            written.extend(pass.colors.iter().map(|color| (color.slot, color.layer)));
+            written.extend(pass.depth.iter().map(|depth| (depth.slot, 0)));
+        }
+        self.check_factors(&written)?;
+        self.check_counts_resolved()
+    }
+
+    fn slot_of(&self, pass: &Pass, id: SlotId) -> Result<&Slot, PlanError> {
+        self.slots.get(id.0).ok_or_else(|| PlanError::NoSuchSlot {
+            pass: pass.name.clone(),
+            slot: id.0,
+            count: self.slots.len(),
+        })
+    }
+
+    fn check_color(
+        &self,
+        pass: &Pass,
+        color: &ColorTarget,
+        written: &HashSet<(SlotId, u32)>,
+    ) -> Result<(), PlanError> {
+        let slot = self.slot_of(pass, color.slot)?;
+        match &slot.kind {
+            SlotKind::Texture { format, layers, .. }
+                if !format.is_depth_stencil_format() && color.layer < *layers => {}
+            _ => return Err(wrong_kind(pass, slot, "a colour attachment with that layer")),
+        }
+        if color.load == Load::Keep && !written.contains(&(color.slot, color.layer)) {
+            return Err(PlanError::MissingClear { pass: pass.name.clone(), slot: slot.name.clone() });
+        }
+        Ok(())
+    }
+
+    fn check_draws(&self, pass: &Pass, written: &HashSet<(SlotId, u32)>) -> Result<(), PlanError> {
+        let depth_writable = pass.depth.as_ref().is_some_and(|d| d.depth != Access::ReadOnly);
+        let stencil_writable =
+            pass.depth.as_ref().is_some_and(|d| d.stencil.is_some_and(|stencil| stencil != Access::ReadOnly));
+        for draw in &pass.draws {
+            let (pass_name, draw_name) = (|| pass.name.clone(), || draw.name.clone());
+            if draw.state.targets.len() != pass.colors.len() {
+                return Err(PlanError::TargetCount {
+                    pass: pass_name(),
+                    draw: draw_name(),
+                    given: draw.state.targets.len(),
+                    needed: pass.colors.len(),
+                });
+            }
+            let not_writable =
+                |aspect| PlanError::NotWritable { pass: pass_name(), draw: draw_name(), aspect };
+            if draw.state.depth_write && !depth_writable {
+                return Err(not_writable("depth"));
+            }
+            if draw.state.stencil.is_some_and(|s| s.write_mask != 0 && changes(&s)) && !stencil_writable {
+                return Err(not_writable("the stencil"));
+            }
+            for (_, binding) in &draw.bindings {
+                self.check_binding(pass, binding, written)?;
+            }
+            if let Geometry::Indexed { indices, first, count, .. } = draw.geometry {
+                let slot = self.slot_of(pass, indices)?;
+                let SlotKind::Buffer { contents, .. } = &slot.kind else {
+                    return Err(wrong_kind(pass, slot, "an index buffer"));
+                };
+                let (end, held) = (u64::from(first) + u64::from(count), contents.0.len() as u64 / 4);
+                if end > held {
+                    let slot = slot.name.clone();
+                    return Err(PlanError::IndexRange {
+                        pass: pass_name(),
+                        draw: draw_name(),
+                        slot,
+                        first,
+                        end,
+                        count: held,
+                    });
+                }
+            }
+            if let Some(scissor) = draw.scissor_px {
+                let [width, height] = self.size_px;
+                let [x, y, w, h] = scissor.map(u64::from);
+                if x + w > u64::from(width) || y + h > u64::from(height) {
+                    return Err(PlanError::ScissorOutside {
+                        pass: pass_name(),
+                        draw: draw_name(),
+                        scissor,
+                        width,
+                        height,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn check_binding(
+        &self,
+        pass: &Pass,
+        binding: &Binding,
+        written: &HashSet<(SlotId, u32)>,
+    ) -> Result<(), PlanError> {
+        let id = binding.slot();
+        let slot = self.slot_of(pass, id)?;
+        match (&slot.kind, binding) {
+            (SlotKind::Buffer { .. }, Binding::Storage(_)) => return Ok(()),
+            (SlotKind::Texture { .. }, Binding::Texture(_) | Binding::TextureArray(_)) => {}
+            (SlotKind::Texture { layers, .. }, Binding::TextureLayer(_, layer)) if layer < layers => {}
+            (SlotKind::Texture { format, .. }, Binding::StencilOf(_)) if format.has_stencil_aspect() => {}
+            _ => return Err(wrong_kind(pass, slot, "what its binding says")),
+        }
+        if !written.iter().any(|(written, _)| *written == id) {
+            return Err(PlanError::ReadBeforeWrite { pass: pass.name.clone(), slot: slot.name.clone() });
+        }
+        let written_here = pass.colors.iter().any(|color| color.slot == id)
+            || pass.depth.as_ref().is_some_and(|depth| {
+                depth.slot == id
+                    && (depth.depth != Access::ReadOnly
+                        || depth.stencil.is_some_and(|s| s != Access::ReadOnly))
+            });
+        if written_here {
+            return Err(PlanError::ReadWhileWritten { pass: pass.name.clone(), slot: slot.name.clone() });
+        }
+        Ok(())
+    }
+
+    fn check_factors(&self, written: &HashSet<(SlotId, u32)>) -> Result<(), PlanError> {
+        for light in &self.lights {
+            let never = |place: String| PlanError::FactorNeverWritten { light: light.name.clone(), place };
+            match light.factor {
+                FactorAt::Counts if !self.passes.iter().any(writes_stencil) => {
+                    return Err(never("the stencil".into()));
+                }
+                FactorAt::MaskBit(bit) if !self.is_written("light mask", bit / 32, written) => {
+                    return Err(never(format!("bit {bit} of the light mask")));
+                }
+                FactorAt::Visibility(layer) if !self.is_written("visibility", layer, written) => {
+                    return Err(never(format!("layer {layer} of the visibility array")));
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn is_written(&self, name: &str, layer: u32, written: &HashSet<(SlotId, u32)>) -> bool {
+        written.iter().any(|(slot, l)| *l == layer && self.slots[slot.0].name == name)
+    }
+
+    /// A draw that sets the stencil back to zero must cover every draw that counted since the last one.
+    fn check_counts_resolved(&self) -> Result<(), PlanError> {
+        let whole = [0, 0, self.size_px[0], self.size_px[1]];
+        let mut counted: Vec<(&str, [u32; 4])> = Vec::new();
+        for pass in &self.passes {
+            if pass.depth.as_ref().is_some_and(|depth| matches!(depth.stencil, Some(Access::Clear(_)))) {
+                counted.clear();
+            }
+            for draw in &pass.draws {
+                let Some(stencil) = draw.state.stencil else { continue };
+                let scissor = draw.scissor_px.unwrap_or(whole);
+                if stencil.front.pass_op == StencilOperation::Zero {
+                    if let Some((pass, counted)) =
+                        counted.iter().find(|(_, inner)| !contains(scissor, *inner))
+                    {
+                        let pass = (*pass).to_owned();
+                        return Err(PlanError::CountsLeak { pass, counted: *counted, resolved: scissor });
+                    }
+                    counted.clear();
+                } else if changes(&stencil) {
+                    counted.push((&pass.name, scissor));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn contains(outer: [u32; 4], inner: [u32; 4]) -> bool {
+    (0..2).all(|i| outer[i] <= inner[i] && outer[i] + outer[i + 2] >= inner[i] + inner[i + 2])
+}
+
+fn changes(stencil: &super::Stencil) -> bool {
+    [stencil.front, stencil.back].iter().any(|face| {
+        [face.fail_op, face.depth_fail_op, face.pass_op].iter().any(|op| *op != StencilOperation::Keep)
+    })
+}
+
+fn writes_stencil(pass: &Pass) -> bool {
+    pass.draws.iter().any(|draw| draw.state.stencil.is_some_and(|stencil| changes(&stencil)))
+}
+
+fn format_of(slot: &Slot) -> Option<wgpu::TextureFormat> {
+    match slot.kind {
+        SlotKind::Texture { format, .. } => Some(format),
+        SlotKind::Buffer { .. } => None,
+    }
+}
+
+fn wrong_kind(pass: &Pass, slot: &Slot, needed: &'static str) -> PlanError {
+    PlanError::WrongKind { pass: pass.name.clone(), slot: slot.name.clone(), needed, found: slot.to_string() }
+}

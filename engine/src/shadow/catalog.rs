@@ -1,0 +1,112 @@
+//! The technique trait, and the catalog that finds techniques by the names scenes use.
+
+use std::fmt;
+use std::sync::Arc;
+
+use super::{LightPlan, OptionError, ShadowError};
+use crate::scene::{Instance, Params, ShadowNode};
+
+/// What a technique needs from the adapter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Requirements {
+    /// Without these it refuses.
+    pub required: wgpu::Features,
+    /// With these it is faster or takes more cases.
+    pub optional: wgpu::Features,
+}
+
+/// A way to compute shadows.
+///
+/// Implementations hold their options and nothing else: what persists between frames lives in the
+/// [`Cache`](super::Cache) and in the plan's slots, so a technique leaves no state for its successor.
+pub trait ShadowTechnique: fmt::Debug + Send + Sync {
+    /// The type name scenes use.
+    fn type_name(&self) -> &'static str;
+
+    /// All options with their values.
+    fn params(&self) -> Params;
+
+    /// The error that is left by design, in one sentence.
+    fn known_error(&self) -> &'static str;
+
+    /// What it needs from the adapter.
+    fn requirements(&self) -> Requirements {
+        Requirements::default()
+    }
+
+    /// Whether `instance` casts through this technique: `Ok(false)` leaves it to others.
+    ///
+    /// # Errors
+    /// The reason why it would have to cast but cannot.
+    fn casts(&self, instance: &Instance) -> Result<bool, String>;
+
+    /// Adds the passes that leave the light's factor in the stencil or in a visibility target.
+    ///
+    /// # Errors
+    /// What the technique refuses, naming node and caster.
+    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError>;
+}
+
+/// A technique as the catalog knows it.
+#[derive(Clone, Copy, Debug)]
+pub struct TechniqueEntry {
+    /// The type name in scenes, `ShadowMap` say.
+    pub type_name: &'static str,
+    /// The short name on the command line, `map` say.
+    pub short_name: &'static str,
+    /// One line for help texts.
+    pub summary: &'static str,
+    /// Makes the technique from its options.
+    pub from_params: fn(&Params) -> Result<Arc<dyn ShadowTechnique>, OptionError>,
+}
+
+/// The techniques a renderer knows.
+#[derive(Clone, Debug, Default)]
+pub struct Catalog {
+    entries: Vec<TechniqueEntry>,
+}
+
+impl Catalog {
+    /// A catalog without techniques.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a technique; one of the same type name is replaced.
+    pub fn register(&mut self, entry: TechniqueEntry) {
+        self.entries.retain(|known| known.type_name != entry.type_name);
+        self.entries.push(entry);
+    }
+
+    /// Every technique, in the order of registration.
+    pub fn entries(&self) -> &[TechniqueEntry] {
+        &self.entries
+    }
+
+    /// The entry whose type name or short name is `name`.
+    pub fn find(&self, name: &str) -> Option<&TechniqueEntry> {
+        self.entries.iter().find(|entry| entry.type_name == name || entry.short_name == name)
+    }
+
+    /// Makes the technique that `shadow` asks for; `node` names it in errors.
+    ///
+    /// # Errors
+    /// [`ShadowError::UnknownTechnique`] lists the known types; [`ShadowError::Option`] what is accepted.
+    pub fn technique(
+        &self,
+        node: &str,
+        shadow: &ShadowNode,
+    ) -> Result<Arc<dyn ShadowTechnique>, ShadowError> {
+        let entry =
+            self.entries.iter().find(|entry| entry.type_name == shadow.technique).ok_or_else(|| {
+                let known: Vec<&str> = self.entries.iter().map(|entry| entry.type_name).collect();
+                ShadowError::UnknownTechnique {
+                    node: node.into(),
+                    technique: shadow.technique.clone(),
+                    known: known.join(", "),
+                }
+            })?;
+        (entry.from_params)(&shadow.params)
+            .map_err(|source| ShadowError::Option { node: node.into(), source })
+    }
+}

@@ -1,0 +1,35 @@
+//! Why shadows were refused.
+
+use thiserror::Error;
+
+use super::OptionError;
+use crate::plan::PlanError;
+
+/// Why a shadow node, or the frame it stands in, was refused. Nothing is drawn in its place.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
+pub enum ShadowError {
+    #[error("shadow node '{node}': unknown type '{technique}' (known: {known})")]
+    UnknownTechnique { node: String, technique: String, known: String },
+    #[error("shadow node '{node}': {source}")]
+    Option { node: String, source: OptionError },
+    #[error("shadow node '{node}' ({technique}) refuses caster '{caster}': {reason}")]
+    CasterRefused { node: String, technique: &'static str, caster: String, reason: String },
+    #[error(
+        "light '{light}': caster '{caster}' is claimed by '{first}' ({first_technique}) and by '{second}' ({second_technique}); one light may have each caster from one technique only"
+    )]
+    ClaimedTwice {
+        light: String,
+        caster: String,
+        first: String,
+        first_technique: &'static str,
+        second: String,
+        second_technique: &'static str,
+    },
+    #[error("shadow node '{node}' ({technique}) needs {needed}, which adapter '{adapter}' does not have")]
+    MissingFeature { node: String, technique: &'static str, needed: String, adapter: String },
+    #[error("shadow node '{node}' ({technique}): {reason}")]
+    Unsupported { node: String, technique: &'static str, reason: String },
+    #[error("the frame plan is not valid: {0}")]
+    Plan(#[from] PlanError),
+}

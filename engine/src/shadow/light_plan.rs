@@ -1,0 +1,167 @@
+//! What a technique gets to work with: one light, its casters, the view, and the plan in the making.
+
+use std::sync::Arc;
+
+use wgpu::TextureFormat;
+
+use super::{Cache, Claim, ShadowError};
+use crate::math::{Aabb, ViewFrustum};
+use crate::plan::{Access, BufferUsage, ColorTarget, DepthTarget, Load, Pass, PlanBuilder, SlotId, SlotKind};
+use crate::scene::{Instance, Posed, PosedCamera, PosedLight};
+
+/// From where, and how large, the frame is seen.
+#[derive(Clone, Debug)]
+pub struct View {
+    /// The camera.
+    pub camera: PosedCamera,
+    /// Width and height of the picture, in pixels.
+    pub size_px: [u32; 2],
+    /// What the camera sees.
+    pub frustum: ViewFrustum,
+    /// The box around every surface that may receive a shadow in this view, in the world. Where it ends, volumes
+    /// may end too.
+    pub receiver_bounds: Aabb,
+}
+
+/// Channels of a visibility target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Channels {
+    /// One value for all colours.
+    One,
+    /// Red, green and blue apart.
+    Rgb,
+}
+
+/// The frame plan as one technique sees it while it serves one light.
+#[derive(Debug)]
+pub struct LightPlan<'a> {
+    /// The scene.
+    pub posed: &'a Posed,
+    /// The view.
+    pub view: &'a View,
+    /// What the adapter can do.
+    pub features: wgpu::Features,
+    /// The adapter's name, for errors.
+    pub adapter: &'a str,
+    /// Results that persist between frames.
+    pub cache: &'a mut Cache,
+    pub(crate) light_index: usize,
+    pub(crate) claim: &'a Claim,
+    pub(crate) builder: &'a mut PlanBuilder,
+    pub(crate) depth: SlotId,
+    pub(crate) visibility: SlotId,
+    pub(crate) uses_counts: &'a mut bool,
+    pub(crate) uses_visibility: &'a mut Option<Channels>,
+    pub(crate) counts_bound: &'a mut u32,
+    pub(crate) visibility_layer: u32,
+}
+
+impl<'a> LightPlan<'a> {
+    /// The light.
+    pub fn light(&self) -> &'a PosedLight {
+        &self.posed.lights[self.light_index]
+    }
+
+    /// The shadow node's name.
+    pub fn node(&self) -> &'a str {
+        &self.claim.node
+    }
+
+    /// The casters: (index into [`Posed::instances`], instance).
+    pub fn casters(&self) -> impl Iterator<Item = (usize, &'a Instance)> + use<'a> {
+        let posed = self.posed;
+        self.claim.casters.iter().map(move |index| (*index, &posed.instances[*index]))
+    }
+
+    /// The receivers the node names: (index into [`Posed::instances`], instance).
+    pub fn receivers(&self) -> impl Iterator<Item = (usize, &'a Instance)> + use<'a> {
+        let posed = self.posed;
+        self.claim.receivers.iter().map(move |index| (*index, &posed.instances[*index]))
+    }
+
+    /// The depth of the receivers, for sampling in a pass that does not attach it.
+    pub fn receiver_depth(&self) -> SlotId {
+        self.depth
+    }
+
+    /// The attachment for a pass that counts in the stencil: receivers' depth read-only, the stencil written. The
+    /// stencil holds 0 where nothing has counted for this light yet.
+    ///
+    /// `bound` is an upper bound on what this technique adds to any pixel's final count. Returned with the
+    /// attachment is the bound on what was there before: a technique whose sum would exceed 255 folds first.
+    pub fn count_in_stencil(&mut self, bound: u32) -> (DepthTarget, u32) {
+        if let SlotKind::Texture { format, .. } = &mut self.builder.slots[self.depth.0].kind {
+            *format = TextureFormat::Depth32FloatStencil8;
+        }
+        *self.uses_counts = true;
+        let before = *self.counts_bound;
+        *self.counts_bound = before.saturating_add(bound);
+        (DepthTarget { slot: self.depth, depth: Access::ReadOnly, stencil: Some(Access::Keep) }, before)
+    }
+
+    /// The target for a pass that multiplies visibility: 1 where nothing has darkened it yet.
+    pub fn multiply_visibility(&mut self, channels: Channels) -> ColorTarget {
+        let load = if self.uses_visibility.is_none() { Load::Clear([1.0; 4]) } else { Load::Keep };
+        *self.uses_visibility = (*self.uses_visibility).max(Some(channels));
+        ColorTarget { slot: self.visibility, layer: self.visibility_layer, load }
+    }
+
+    /// Adds a buffer; see [`PlanBuilder::buffer`].
+    pub fn buffer(
+        &mut self,
+        name: &str,
+        usage: BufferUsage,
+        revision_key: u64,
+        contents: Arc<Vec<u8>>,
+        reason: &str,
+    ) -> SlotId {
+        self.builder.buffer(name, usage, revision_key, contents, reason)
+    }
+
+    /// Adds a texture of its own size; see [`PlanBuilder::texture_sized`].
+    pub fn texture(
+        &mut self,
+        name: &str,
+        format: TextureFormat,
+        size_px: [u32; 2],
+        layers: u32,
+        reason: &str,
+    ) -> SlotId {
+        self.builder.texture_sized(name, format, size_px, layers, reason)
+    }
+
+    /// Adds a pass.
+    pub fn pass(&mut self, pass: Pass) {
+        self.builder.passes.push(pass);
+    }
+
+    /// Notes something that was left out.
+    pub fn note(&mut self, note: impl Into<String>) {
+        self.builder.note(note);
+    }
+
+    /// Checks that the adapter has `needed`.
+    ///
+    /// # Errors
+    /// [`ShadowError::MissingFeature`] with `purpose` in its text.
+    pub fn require(&self, needed: wgpu::Features, purpose: &str) -> Result<(), ShadowError> {
+        if self.features.contains(needed) {
+            return Ok(());
+        }
+        Err(ShadowError::MissingFeature {
+            node: self.claim.node.clone(),
+            technique: self.claim.technique.type_name(),
+            needed: format!("{needed:?} ({purpose})"),
+            adapter: self.adapter.into(),
+        })
+    }
+
+    /// A refusal of this node for `reason`.
+    pub fn unsupported(&self, reason: impl Into<String>) -> ShadowError {
+        ShadowError::Unsupported {
+            node: self.claim.node.clone(),
+            technique: self.claim.technique.type_name(),
+            reason: reason.into(),
+        }
+    }
+}

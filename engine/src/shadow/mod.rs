@@ -1,0 +1,19 @@
+//! What a shadow technique is, how techniques are found by name, and how their nodes are regrouped by light.
+//!
+//! A technique is a type that implements [`ShadowTechnique`] and is registered in a [`Catalog`]. For each light it
+//! serves it gets a [`LightPlan`] and adds passes that leave the light's *factor* (1 lit, 0 dark) either as counts
+//! in the stencil or in a visibility target. The engine shades; techniques never do.
+
+mod cache;
+mod catalog;
+mod error;
+mod light_plan;
+mod options;
+mod registry;
+
+pub use cache::{Cache, hash_of};
+pub use catalog::{Catalog, Requirements, ShadowTechnique, TechniqueEntry};
+pub use error::ShadowError;
+pub use light_plan::{Channels, LightPlan, View};
+pub use options::{OptionError, OptionReader};
+pub use registry::{Claim, Registry};

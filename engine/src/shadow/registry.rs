@@ -1,0 +1,101 @@
+//! Collecting shadow nodes and regrouping them by light, since passes run once for each light and not for each node.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::{Catalog, ShadowError, ShadowTechnique};
+use crate::scene::Posed;
+
+/// What one node casts for one light.
+#[derive(Clone, Debug)]
+pub struct Claim {
+    /// The node's name.
+    pub node: String,
+    /// Its technique.
+    pub technique: Arc<dyn ShadowTechnique>,
+    /// Indices into [`Posed::instances`], ascending; none is claimed twice for the same light.
+    pub casters: Vec<usize>,
+    /// Indices into [`Posed::instances`], ascending.
+    pub receivers: Vec<usize>,
+}
+
+/// All claims of a scene, by light.
+#[derive(Clone, Debug)]
+pub struct Registry {
+    /// One entry for each of [`Posed::lights`]; empty where no node serves the light.
+    pub lights: Vec<Vec<Claim>>,
+    /// What was left out, and why.
+    pub notes: Vec<String>,
+}
+
+impl Registry {
+    /// Collects every shadow node of `posed`.
+    ///
+    /// # Errors
+    /// Unknown techniques and options, refused casters, and casters that two techniques claim for one light.
+    pub fn collect(posed: &Posed, catalog: &Catalog) -> Result<Self, ShadowError> {
+        let mut registry = Self { lights: vec![Vec::new(); posed.lights.len()], notes: Vec::new() };
+        // For each light, which claim already has which caster.
+        let mut taken: Vec<HashMap<usize, usize>> = vec![HashMap::new(); posed.lights.len()];
+        for node in &posed.shadow_nodes {
+            let technique = catalog.technique(&node.name, &node.shadow)?;
+            let mut casters = Vec::new();
+            for &index in &node.casters {
+                let instance = &posed.instances[index];
+                let casts = technique.casts(instance).map_err(|reason| ShadowError::CasterRefused {
+                    node: node.name.clone(),
+                    technique: technique.type_name(),
+                    caster: instance.name.clone(),
+                    reason,
+                })?;
+                if casts {
+                    casters.push(index);
+                } else {
+                    let kind = technique.type_name();
+                    registry.notes.push(format!(
+                        "'{}' casts nothing through '{}': {kind} leaves surfaces of its kind to other techniques",
+                        instance.name, node.name
+                    ));
+                }
+            }
+            for &light in &node.lights {
+                let claims = &mut registry.lights[light];
+                let mut own = Vec::new();
+                for &caster in &casters {
+                    match taken[light].get(&caster) {
+                        None => own.push(caster),
+                        Some(&first) if claims[first].technique.type_name() == technique.type_name() => {
+                            // Named twice, counted once.
+                        }
+                        Some(&first) => {
+                            return Err(ShadowError::ClaimedTwice {
+                                light: posed.lights[light].name.clone(),
+                                caster: posed.instances[caster].name.clone(),
+                                first: claims[first].node.clone(),
+                                first_technique: claims[first].technique.type_name(),
+                                second: node.name.clone(),
+                                second_technique: technique.type_name(),
+                            });
+                        }
+                    }
+                }
+                taken[light].extend(own.iter().map(|caster| (*caster, claims.len())));
+                claims.push(Claim {
+                    node: node.name.clone(),
+                    technique: Arc::clone(&technique),
+                    casters: own,
+                    receivers: node.receivers.clone(),
+                });
+            }
+        }
+        Ok(registry)
+    }
+
+    /// The casters of `light`, over all claims, ascending.
+    pub fn casters_of(&self, light: usize) -> Vec<usize> {
+        let mut casters: Vec<usize> =
+            self.lights[light].iter().flat_map(|claim| claim.casters.clone()).collect();
+        casters.sort_unstable();
+        casters
+    }
+}

@@ -1,0 +1,44 @@
+// The lights of the frame, in view space.
+
+struct Light {
+    // (position, 1), or (unit direction towards the light, 0).
+    position: vec4f,
+    // Linear colour times intensity.
+    radiance: vec3f,
+    // 1 / range in metres; 0 without a range.
+    inverse_range: f32,
+    // The unit direction in which a spot shines.
+    direction: vec3f,
+    // Spot falloff: saturate(cos(angle) * scale + offset), squared; (0, 1) for other lights.
+    cone_scale: f32,
+    cone_offset: f32,
+    // Where its factor is: 0 always lit, 1 the stencil, 2 a bit of the mask, 3 a layer of the visibility array.
+    factor_kind: u32,
+    // The bit or the layer.
+    factor_index: u32,
+    pad_0: u32,
+}
+
+@group(0) @binding(2) var<storage, read> lights: array<Light>;
+
+// Unit direction towards the light, and its irradiance on a surface facing it, at view-space point `p`.
+struct Illumination {
+    towards: vec3f,
+    irradiance: vec3f,
+}
+
+fn illumination(light: Light, p: vec3f) -> Illumination {
+    var to_light = light.position.xyz - p * light.position.w;
+    let distance_squared = max(dot(to_light, to_light), 1e-12);
+    to_light *= inverseSqrt(distance_squared);
+    var falloff = 1.0;
+    if light.position.w > 0.0 {
+        falloff = 1.0 / distance_squared;
+        // The window KHR_lights_punctual recommends: smoothly zero at the range.
+        let reach = distance_squared * light.inverse_range * light.inverse_range;
+        let window = saturate(1.0 - reach * reach);
+        falloff *= select(1.0, window * window, light.inverse_range > 0.0);
+    }
+    let cone = saturate(dot(-to_light, light.direction) * light.cone_scale + light.cone_offset);
+    return Illumination(to_light, light.radiance * falloff * cone * cone);
+}

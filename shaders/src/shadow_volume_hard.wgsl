@@ -1,0 +1,49 @@
+// Hard shadow volumes: sides, front caps and far caps of one caster for one light, drawn from the caster's own
+// vertices. Each index carries a vertex and whether its extruded twin is meant: index = 2·vertex + far.
+
+#import common/frame
+#import common/positions
+#import common/fullscreen
+
+// One caster of one light.
+struct Volume {
+    // The light in the caster's local space, (position, 1) or (direction towards it, 0), as the sum of two f32:
+    // vertex − light stays exact to the last digit even for a light that touches the caster.
+    light_high: vec4f,
+    light_low: vec4f,
+    // Where volumes end, in local space: {x : normal·x = offset}.
+    end_normal: vec3f,
+    end_offset: f32,
+    // How they end: 0 at infinity, 1 on the end plane, 2 as a copy scaled about the light by `end_scale`.
+    end_kind: u32,
+    end_scale: f32,
+    instance: u32,
+    pad_0: u32,
+}
+
+@group(1) @binding(1) var<storage, read> volumes: array<Volume>;
+
+struct Varyings {
+    @builtin(position) @invariant clip: vec4f,
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) volume_index: u32) -> Varyings {
+    let volume = volumes[volume_index];
+    let p = local_position(index >> 1u);
+    if (index & 1u) == 0u {
+        return Varyings(clip_from_local(volume.instance, p));
+    }
+    // The direction in which the vertex is extruded: w·v − l.
+    let away = (p * volume.light_high.w - volume.light_high.xyz) - volume.light_low.xyz;
+    let away_in_view = view_direction_from_local(volume.instance, away);
+    if volume.end_kind == 0u {
+        return Varyings(frame.clip_from_view * vec4f(away_in_view, 0.0));
+    }
+    var stretch = volume.end_scale;
+    if volume.end_kind == 1u {
+        stretch = (volume.end_offset - dot(volume.end_normal, p)) / dot(volume.end_normal, away);
+    }
+    let end_in_view = view_from_local(volume.instance, p) + away_in_view * stretch;
+    return Varyings(frame.clip_from_view * vec4f(end_in_view, 1.0));
+}

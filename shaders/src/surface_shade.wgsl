@@ -1,0 +1,248 @@
+// Forward shading of the visible surface: every light of the frame in one pass, each with its shadow factor.
+// Metallic-roughness as glTF 2.0 appendix B defines it (Lambert, GGX, height-correlated Smith, Schlick).
+
+#import common/frame
+#import common/lights
+
+struct Material {
+    base_color: vec4f,
+    emissive: vec3f,
+    metallic: f32,
+    roughness: f32,
+    normal_scale: f32,
+    occlusion_strength: f32,
+    // Holes are where alpha is below; negative when there are none.
+    alpha_cutoff: f32,
+    // Bit 0 unlit, bits 1 to 5: base colour, metallic-roughness, emissive, normal, occlusion textures present.
+    flags: u32,
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
+    // Two rows for each texture: uv' = (dot(row0, (u, v, 1)), dot(row1, (u, v, 1))).
+    uv_rows: array<vec4f, 10>,
+}
+
+@group(2) @binding(0) var<uniform> material: Material;
+@group(2) @binding(1) var base_color_texture: texture_2d<f32>;
+@group(2) @binding(2) var metallic_roughness_texture: texture_2d<f32>;
+@group(2) @binding(3) var emissive_texture: texture_2d<f32>;
+@group(2) @binding(4) var normal_texture: texture_2d<f32>;
+@group(2) @binding(5) var occlusion_texture: texture_2d<f32>;
+@group(2) @binding(6) var base_color_sampler: sampler;
+@group(2) @binding(7) var metallic_roughness_sampler: sampler;
+@group(2) @binding(8) var emissive_sampler: sampler;
+@group(2) @binding(9) var normal_sampler: sampler;
+@group(2) @binding(10) var occlusion_sampler: sampler;
+
+#if COUNTS
+@group(1) @binding(0) var counts: texture_2d<u32>;
+#endif
+#if MASK
+@group(1) @binding(1) var mask: texture_2d_array<f32>;
+#endif
+#if VISIBILITY
+@group(1) @binding(2) var visibility: texture_2d_array<f32>;
+#endif
+
+struct Varyings {
+    @builtin(position) @invariant clip: vec4f,
+    @location(0) p_in_view: vec3f,
+    @location(1) normal_in_view: vec3f,
+    @location(2) uv: vec2f,
+    @location(3) color: vec4f,
+    @location(4) @interpolate(flat, first) receives: u32,
+}
+
+@vertex
+fn vertex(
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) uv: vec2f,
+    @location(3) color: vec4f,
+    @builtin(instance_index) instance: u32,
+) -> Varyings {
+    let i = instances[instance];
+    let n = vec3f(dot(i.normal_x.xyz, normal), dot(i.normal_y.xyz, normal), dot(i.normal_z.xyz, normal));
+    return Varyings(
+        clip_from_local(instance, position), view_from_local(instance, position), n, uv, color, i.flags & 1u,
+    );
+}
+
+fn has(bit: u32) -> bool {
+    return (material.flags & (1u << bit)) != 0u;
+}
+
+fn uv_of(texture: u32, uv: vec2f) -> vec2f {
+    let uv1 = vec3f(uv, 1.0);
+    return vec2f(dot(material.uv_rows[texture * 2u].xyz, uv1), dot(material.uv_rows[texture * 2u + 1u].xyz, uv1));
+}
+
+fn base_color(in: Varyings) -> vec4f {
+    var color = material.base_color * in.color;
+    if has(1u) {
+        color *= textureSample(base_color_texture, base_color_sampler, uv_of(0u, in.uv));
+    }
+    return color;
+}
+
+// What fraction of `light` reaches this pixel's surface past all casters.
+fn shadow_factor(light: Light, pixel: vec2u) -> vec3f {
+#if COUNTS
+    if light.factor_kind == 1u {
+        return select(vec3f(1.0), vec3f(0.0), textureLoad(counts, pixel, 0).x != 0u);
+    }
+#endif
+#if MASK
+    if light.factor_kind == 2u {
+        let channel = (light.factor_index / 8u) % 4u;
+        let byte = u32(textureLoad(mask, pixel, light.factor_index / 32u, 0)[channel] * 255.0 + 0.5);
+        return select(vec3f(1.0), vec3f(0.0), (byte >> (light.factor_index % 8u) & 1u) != 0u);
+    }
+#endif
+#if VISIBILITY
+    if light.factor_kind == 3u {
+        return textureLoad(visibility, pixel, light.factor_index, 0).rgb;
+    }
+#endif
+    return vec3f(1.0);
+}
+
+// The normal of the tangent-space map in a frame made from screen-space derivatives of position and uv.
+fn mapped_normal(n: vec3f, p: vec3f, uv: vec2f) -> vec3f {
+    let dp_dx = dpdx(p);
+    let dp_dy = dpdy(p);
+    let duv_dx = dpdx(uv);
+    let duv_dy = dpdy(uv);
+    let px = cross(dp_dy, n);
+    let py = cross(n, dp_dx);
+    let tangent = px * duv_dx.x + py * duv_dy.x;
+    let bitangent = px * duv_dx.y + py * duv_dy.y;
+    let size = inverseSqrt(max(max(dot(tangent, tangent), dot(bitangent, bitangent)), 1e-30));
+    let texel = textureSample(normal_texture, normal_sampler, uv_of(3u, uv)).xyz * 2.0 - 1.0;
+    let scaled = vec3f(texel.xy * material.normal_scale, texel.z);
+    return normalize(tangent * size * scaled.x - bitangent * size * scaled.y + n * scaled.z);
+}
+
+struct Surface {
+    p: vec3f,
+    n: vec3f,
+    // Unit direction towards the eye.
+    v: vec3f,
+    // Geometric normal on the eye's side.
+    geometric: vec3f,
+    diffuse: vec3f,
+    f0: vec3f,
+    alpha: f32,
+}
+
+// Outgoing radiance per unit of irradiance from direction `l`, cosine included.
+fn reflect_light(s: Surface, l: vec3f) -> vec3f {
+    let n_l = saturate(dot(s.n, l));
+    let n_v = max(dot(s.n, s.v), 1e-4);
+    let h = normalize(l + s.v);
+    let n_h = saturate(dot(s.n, h));
+    let v_h = saturate(dot(s.v, h));
+    let a2 = s.alpha * s.alpha;
+    let d = n_h * n_h * (a2 - 1.0) + 1.0;
+    let distribution = a2 / (3.14159265 * d * d);
+    let smith = n_l * sqrt(n_v * n_v * (1.0 - a2) + a2) + n_v * sqrt(n_l * n_l * (1.0 - a2) + a2);
+    let fresnel = s.f0 + (1.0 - s.f0) * pow(1.0 - v_h, 5.0);
+    let specular = fresnel * distribution * 0.5 / max(smith, 1e-6);
+    return ((1.0 - fresnel) * s.diffuse * 0.31830989 + specular) * n_l;
+}
+
+// Khronos PBR Neutral: true colours up to 0.8, then a soft shoulder that desaturates.
+fn tone_mapped(radiance: vec3f) -> vec3f {
+    var color = radiance;
+    let low = min(color.r, min(color.g, color.b));
+    let offset = select(0.04, low - 6.25 * low * low, low < 0.08);
+    color -= offset;
+    let peak = max(color.r, max(color.g, color.b));
+    let start = 0.76;
+    if peak < start {
+        return color;
+    }
+    let d = 1.0 - start;
+    let new_peak = 1.0 - d * d / (peak + d - start);
+    color *= new_peak / peak;
+    let g = 1.0 - 1.0 / (0.15 * (peak - new_peak) + 1.0);
+    return mix(color, vec3f(new_peak), g);
+}
+
+fn shade(in: Varyings, front: bool) -> vec4f {
+    let base = base_color(in);
+    if base.a < material.alpha_cutoff {
+        discard;
+    }
+    var emitted = material.emissive;
+    if has(3u) {
+        emitted *= textureSample(emissive_texture, emissive_sampler, uv_of(2u, in.uv)).rgb;
+    }
+    if has(0u) {
+        // Unlit colours are what they are: exposure and tone mapping leave them alone.
+        return vec4f(base.rgb, base.a);
+    }
+    var s: Surface;
+    s.p = in.p_in_view;
+    s.v = select(vec3f(0.0, 0.0, 1.0), normalize(-in.p_in_view), frame.eye_w > 0.0);
+    s.geometric = normalize(cross(dpdx(in.p_in_view), -dpdy(in.p_in_view)));
+    s.geometric = select(s.geometric, -s.geometric, dot(s.geometric, s.v) < 0.0);
+    s.n = normalize(in.normal_in_view);
+    s.n = select(-s.n, s.n, dot(s.n, s.geometric) >= 0.0);
+    if has(4u) {
+        s.n = mapped_normal(s.n, in.p_in_view, in.uv);
+    }
+    var metallic = material.metallic;
+    var roughness = material.roughness;
+    if has(2u) {
+        let texel = textureSample(metallic_roughness_texture, metallic_roughness_sampler, uv_of(1u, in.uv));
+        metallic *= texel.b;
+        roughness *= texel.g;
+    }
+    s.alpha = max(roughness * roughness, 0.002);
+    s.diffuse = base.rgb * (1.0 - metallic);
+    s.f0 = mix(vec3f(0.04), base.rgb, metallic);
+
+    var occlusion = 1.0;
+    if has(5u) {
+        let texel = textureSample(occlusion_texture, occlusion_sampler, uv_of(4u, in.uv)).r;
+        occlusion = 1.0 + material.occlusion_strength * (texel - 1.0);
+    }
+    // Ambient: full from above, half from below; metals show it as a mirror of the same sky.
+    let sky = 0.75 + 0.25 * dot(s.n, frame.up_in_view);
+    var color = frame.ambient * sky * occlusion * (s.diffuse + s.f0 * 0.7);
+
+    let pixel = vec2u(in.clip.xy);
+    for (var i = 0u; i < frame.light_count; i++) {
+        let light = lights[i];
+        let incoming = illumination(light, s.p);
+        // Light from behind the surface proper lights nothing, whatever a smooth normal says.
+        if dot(s.geometric, incoming.towards) <= 0.0 || all(incoming.irradiance == vec3f(0.0)) {
+            continue;
+        }
+        let factor = select(vec3f(1.0), shadow_factor(light, pixel), in.receives == 1u);
+        color += factor * incoming.irradiance * reflect_light(s, incoming.towards);
+    }
+    color += emitted * frame.exposure;
+    return vec4f(select(color, tone_mapped(color), frame.tone_map == 1u), base.a);
+}
+
+@fragment
+fn opaque(in: Varyings, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    return vec4f(shade(in, front).rgb, 1.0);
+}
+
+// Premultiplied, for blending over what is behind.
+@fragment
+fn blended(in: Varyings, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    let color = shade(in, front);
+    return vec4f(color.rgb * color.a, color.a);
+}
+
+// Depth only, with the holes of an alpha mask.
+@fragment
+fn masked_depth(in: Varyings) {
+    if base_color(in).a < material.alpha_cutoff {
+        discard;
+    }
+}
