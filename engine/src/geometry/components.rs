@@ -85,7 +85,7 @@ impl<'a> Orientation<'a> {
 /// For every triangle its component, numbered by ascending first triangle.
 ///
 /// Edges with two uses connect. At an edge with more, several sheets meet, and only those connect that are not
-/// balanced there by themselves: two boxes with a common edge stay two, a fin joins what it stands on.
+/// balanced there by themselves: two boxes with a common edge stay two, three leaves of a book are one.
 pub(super) fn connect(topology: &Topology) -> Vec<Option<u32>> {
     let triangle_count = topology.triangles().len();
     let mut sheets = DisjointSets::new(triangle_count);

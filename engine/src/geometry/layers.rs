@@ -50,7 +50,7 @@ impl LayerGrid {
                 Footprint::Nothing => continue,
                 Footprint::Everything => ([0, 0], [last, last]),
                 Footprint::Rectangle(low, high) => {
-                    // `as` saturates, so that far-away coordinates clamp instead of wrapping.
+                    // Clamped to just beyond the plane before they become integers.
                     let cell = |ndc: f64| {
                         ((ndc * 0.5 + 0.5) * self.cells_per_side as f64).floor().clamp(-2.0, 2048.0)
                     };
@@ -252,6 +252,28 @@ mod tests {
         assert_eq!(bound(DVec4::new(0.2, -0.1, 0.2, 1.0), &stack), 300);
         assert!(bound(DVec4::new(1.0, 1.0, 0.0, 0.0), &stack) < 20);
         assert!(bound(DVec4::new(300.0, 150.5, 0.0, 1.0), &stack) < 20);
+    }
+
+    /// Splinters from all sides whose tips overlap by a hair: no cell but the tips' own sees them all.
+    #[test]
+    fn tips_that_meet_in_a_hair_are_all_counted() {
+        for shift in 0..50 {
+            let middle = DVec3::new(f64::from(shift) * 1e-3, 0.0, f64::from(shift) * 0.7e-3);
+            // One triangle that stays, so that the tips wander through their cell.
+            let bystander = [DVec3::new(1.9, 0.0, 1.9), DVec3::new(2.0, 0.0, 1.9), DVec3::new(1.9, 0.0, 2.0)];
+            let splinters: Vec<DVec3> = (0..64)
+                .flat_map(|i| {
+                    let outwards = DVec3::new((f64::from(i) * 0.1).cos(), 0.0, (f64::from(i) * 0.1).sin());
+                    let aside = outwards.cross(DVec3::Y) * 1e-3;
+                    let tip = middle - outwards * 1e-9;
+                    [tip, middle + outwards + aside, middle + outwards - aside]
+                })
+                .chain(bystander)
+                .collect();
+            for light in [DVec4::Y, DVec4::new(0.1, 3.0, 0.2, 1.0), DVec4::new(0.1, 0.5, 0.2, 1.0)] {
+                assert_eq!(bound(light, &splinters), 64);
+            }
+        }
     }
 
     #[test]

@@ -292,12 +292,18 @@ mod tests {
     #[test]
     fn fins_duplicates_and_moebius_strips_are_named() {
         let positions = unit_tetrahedron();
-        // A fin: three triangles at edge (0, 1).
-        let fin = Topology::new(&positions, &[0, 1, 2, 0, 1, 3, 1, 0, 3]);
+        // Three leaves of a book at edge (0, 1).
+        let fin = Topology::new(&[positions.clone(), vec![Vec3::ONE]].concat(), &[0, 1, 2, 0, 1, 3, 1, 0, 4]);
         assert_eq!(fin.closedness().non_manifold_edges, 1);
-        assert_eq!(fin.closedness().boundary_edges, 2);
+        assert_eq!(fin.closedness().boundary_edges, 6);
         assert_eq!(fin.uses(0).iter().map(|u| u.sigma).collect::<Vec<_>>(), [1, 1, -1]);
-        assert_eq!(fin.components().iter().map(|c| c.unbalanced_edges).sum::<usize>(), 3);
+        assert_eq!(fin.components().iter().map(|c| c.unbalanced_edges).sum::<usize>(), 7);
+        assert_eq!(fin.closedness().components, 1);
+        // A solid twice in the same place: four uses at every edge, and twice the volume.
+        let twice = Topology::new(&positions, &[TETRAHEDRON.concat(), TETRAHEDRON.concat()].concat());
+        assert_eq!((twice.closedness().components, twice.closedness().non_manifold_edges), (1, 6));
+        assert!((twice.closedness().signed_volume - 1.0 / 3.0).abs() < 1e-15);
+        assert!(twice.components()[0].is_solid());
         // The same face twice, and a face with its opposite: closed, but without volume.
         assert_eq!(Topology::new(&positions, &[0, 1, 2, 0, 1, 2]).closedness().inconsistent_edges, 3);
         let sheet = Topology::new(&positions, &[0, 1, 2, 0, 2, 1]);
