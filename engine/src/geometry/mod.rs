@@ -1,7 +1,14 @@
-//! Meshes and what the shadow techniques need to know of them: welded vertices, edges, closedness.
+//! Meshes and what the shadow techniques need to know of them: welded vertices, edges, closedness, the chain
+//! that bounds a shadow volume, and how many layers of it one light ray can meet.
 
+mod chain;
+mod components;
+mod layers;
 mod mesh;
 mod topology;
 
+pub use chain::{Chain, facing_signs, restricted_signs};
+pub use components::{Component, Orientation};
+pub use layers::{LayerGrid, layer_groups};
 pub use mesh::{MAX_MESH_ELEMENTS, Mesh, MeshData, MeshError, Part};
 pub use topology::{Closedness, Edge, EdgeUse, Topology};
