@@ -1,1 +1,17 @@
-//! placeholder
+//! The shadow techniques of Shadowgraph, one file each.
+//!
+//! Every technique plugs in through `shadowgraph_engine::shadow`, as one written outside this crate does.
+
+pub mod common;
+mod shadow_volume_hard;
+
+use shadowgraph_engine::shadow::Catalog;
+
+pub use shadow_volume_hard::{DepthTest, Extrusion, GeometryMode, ShadowVolumeHard};
+
+/// A catalog with every technique of this crate.
+pub fn catalog() -> Catalog {
+    let mut catalog = Catalog::new();
+    catalog.register(ShadowVolumeHard::ENTRY);
+    catalog
+}

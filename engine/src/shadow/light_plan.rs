@@ -99,6 +99,11 @@ impl<'a> LightPlan<'a> {
         (DepthTarget { slot: self.depth, depth: Access::ReadOnly, stencil: Some(Access::Keep) }, before)
     }
 
+    /// The bound on what others have counted in the stencil for this light so far.
+    pub fn counts_before(&self) -> u32 {
+        *self.counts_bound
+    }
+
     /// The target for a pass that multiplies visibility: 1 where nothing has darkened it yet.
     pub fn multiply_visibility(&mut self, channels: Channels) -> ColorTarget {
         let load = if self.uses_visibility.is_none() { Load::Clear([1.0; 4]) } else { Load::Keep };

@@ -17,3 +17,5 @@ pub use error::ShadowError;
 pub use light_plan::{Channels, LightPlan, View};
 pub use options::{OptionError, OptionReader};
 pub use registry::{Claim, Registry};
+/// What an adapter can do beyond the basics.
+pub use wgpu::Features;

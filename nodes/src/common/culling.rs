@@ -1,0 +1,130 @@
+//! Which casters can matter for a view, and whether its near plane may lie in their shadow.
+//!
+//! Both questions are answered conservatively from bounds: a caster is left out, and z-pass is chosen, only when that
+//! is certainly right.
+
+use glam::{DVec3, DVec4};
+use shadowgraph_engine::math::{Aabb, Plane, ViewFrustum};
+use shadowgraph_engine::scene::PosedLight;
+use shadowgraph_engine::shadow::View;
+
+/// Whether a caster within `bounds` may shadow something in view; the reason when it certainly does not.
+///
+/// A shadowed point in view and the light span a segment that meets the caster, so the caster must meet the convex
+/// hull of everything in view and the light. That hull lies within every half-space that contains both: those of
+/// the frustum's planes, and of the receivers' box, on whose inner side the light is.
+///
+/// # Errors
+/// The reason why it cannot matter.
+pub fn may_shadow(view: &View, light: &PosedLight, bounds: &Aabb) -> Result<(), &'static str> {
+    if bounds.is_empty() {
+        return Err("has no vertices");
+    }
+    if !light.may_reach(bounds) {
+        return Err("outside the light's range or cone");
+    }
+    if view.receiver_bounds.is_empty() {
+        return Err("nothing in view receives");
+    }
+    let corners = bounds.corners();
+    let separates = |plane: &Plane| {
+        height_of_light(plane, light.position) >= 0.0 && corners.iter().all(|c| plane.height(*c) < 0.0)
+    };
+    if view.frustum.planes.iter().any(separates) {
+        return Err("its shadow misses the view");
+    }
+    let receivers = view.receiver_bounds;
+    for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+        let low = Plane { normal: axis, offset: axis.dot(receivers.min) };
+        let high = Plane { normal: -axis, offset: -axis.dot(receivers.max) };
+        if separates(&low) || separates(&high) {
+            return Err("its shadow misses all receivers in view");
+        }
+    }
+    Ok(())
+}
+
+/// The height of the homogeneous `light` over `plane`; for a direction, how much it rises along the normal.
+fn height_of_light(plane: &Plane, light: DVec4) -> f64 {
+    plane.normal.dot(light.truncate()) - plane.offset * light.w
+}
+
+/// Whether some point of the near rectangle may be shadowed by a caster within `bounds`. False means: certainly
+/// none, so counting from the near plane (z-pass) is right for this caster.
+pub fn near_plane_may_be_shadowed(frustum: &ViewFrustum, light: DVec4, bounds: &Aabb) -> bool {
+    !segments_from_eye_miss(frustum, light, bounds) && !near_pyramid_misses(frustum, light, bounds)
+}
+
+/// The segment from a near-plane point n to the light, and that from the eye, are nowhere further apart than n is
+/// from the eye. So if the eye's misses the box grown by the distance to the near rectangle's corners, all miss it.
+fn segments_from_eye_miss(frustum: &ViewFrustum, light: DVec4, bounds: &Aabb) -> bool {
+    // For orthographic cameras, the middle of the near rectangle serves as the eye.
+    let middle = frustum.near_corners.iter().sum::<DVec3>() * 0.25;
+    let eye = if frustum.eye.w > 0.0 { frustum.eye.truncate() } else { middle };
+    let reach_m = frustum.near_corners.iter().map(|corner| corner.distance(eye)).fold(0.0, f64::max);
+    let grown = bounds.expanded(reach_m * (1.0 + 1e-9) + 1e-12 * (eye.length() + bounds.radius()));
+    if light.w > 0.0 {
+        !grown.intersects_segment(eye, light.truncate())
+    } else {
+        !grown.intersects_ray(eye, light.truncate(), f64::INFINITY)
+    }
+}
+
+/// The pyramid over the near rectangle with its tip at the light, tested plane by plane.
+fn near_pyramid_misses(frustum: &ViewFrustum, light: DVec4, bounds: &Aabb) -> bool {
+    let corners = frustum.near_corners;
+    let middle = corners.iter().sum::<DVec3>() * 0.25;
+    let to_light = light.truncate() - middle * light.w;
+    let normal = (corners[1] - corners[0]).cross(corners[3] - corners[0]);
+    let span = normal.length().sqrt();
+    let height = to_light.dot(normal.normalize_or_zero());
+    // A light about in the near plane makes the pyramid flat: no decision from here.
+    if height.abs() <= 1e-6 * (to_light.length() + span) {
+        return false;
+    }
+    let toward = if height > 0.0 { normal } else { -normal };
+    let mut planes = vec![Plane::through(corners[0], toward)];
+    if light.w > 0.0 {
+        planes.push(Plane::through(light.truncate(), -toward));
+    }
+    for i in 0..4 {
+        let (a, b) = (corners[i], corners[(i + 1) % 4]);
+        let mut plane = Plane::through(a, (b - a).cross(light.truncate() - a * light.w));
+        if plane.height(middle) < 0.0 {
+            plane = Plane { normal: -plane.normal, offset: -plane.offset };
+        }
+        planes.push(plane);
+    }
+    let margin = 1e-9 * (middle.length() + bounds.center().length() + bounds.radius());
+    let box_corners = bounds.corners();
+    planes.iter().any(|plane| {
+        plane.normal != DVec3::ZERO && box_corners.iter().all(|corner| plane.height(*corner) < -margin)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DAffine3;
+    use shadowgraph_engine::math::Projection;
+
+    fn unit_box_at(center: DVec3) -> Aabb {
+        Aabb { min: center - 0.5, max: center + 0.5 }
+    }
+
+    #[test]
+    fn near_plane_is_shadowed_only_by_casters_towards_the_light() {
+        for projection in [
+            Projection::Perspective { fov_y_rad: 1.0, near_m: 0.1 },
+            Projection::Orthographic { half_height_m: 1.0, near_m: 0.1, far_m: 50.0 },
+        ] {
+            let frustum = ViewFrustum::new(&DAffine3::IDENTITY, &projection, 1.5);
+            let light = DVec4::new(0.0, 10.0, 0.0, 1.0);
+            let shadowed = |center, light| near_plane_may_be_shadowed(&frustum, light, &unit_box_at(center));
+            assert!(shadowed(DVec3::new(0.0, 5.0, 0.0), light));
+            assert!(!shadowed(DVec3::new(0.0, 5.0, -6.0), light));
+            assert!(!shadowed(DVec3::new(0.0, 12.0, 0.0), light), "behind the light");
+            assert!(shadowed(DVec3::new(0.0, 12.0, 0.0), DVec4::new(0.0, 1.0, 0.0, 0.0)));
+        }
+    }
+}
