@@ -7,6 +7,7 @@
 //! [`shadowgraph_engine::math`].
 
 mod bvh;
+mod distance;
 mod metrics;
 pub mod pictures;
 mod reference;

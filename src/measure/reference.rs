@@ -244,3 +244,91 @@ impl Reference {
         blocked
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DQuat, Vec3};
+    use proptest::prelude::*;
+    use shadowgraph_engine::geometry::{Mesh, MeshData};
+    use shadowgraph_engine::scene::{Material, Scene, placed};
+
+    use super::*;
+
+    /// A soup of triangles, some without area, some twice, placed anywhere and as large as `size_m`.
+    fn soup(corners: &[[i8; 3]], fine: bool, offset: DVec3, size_m: f64, turn: f64) -> Posed {
+        let unit = if fine { 1.0 / 127.0 } else { 1.0 / 4.0 };
+        let position = |c: &[i8; 3]| Vec3::from(c.map(|v| f32::from(if fine { v } else { v / 32 }) * unit));
+        let positions: Vec<Vec3> = corners.iter().map(position).collect();
+        let indices = (0..positions.len() as u32 / 3 * 3).collect();
+        let mesh = Mesh::new(MeshData { positions, indices, ..MeshData::default() }).unwrap();
+        let mut scene = Scene::new();
+        let place = placed(offset, DQuat::from_rotation_z(turn), DVec3::splat(size_m));
+        scene.add_mesh(mesh, Material::default(), place);
+        scene.pose().unwrap()
+    }
+
+    fn local_point() -> impl Strategy<Value = DVec3> {
+        // Often a multiple of ¼, so that rays run along axes and meet corners and edges.
+        let coordinate = prop_oneof![(-6_i32..=6).prop_map(|v| f64::from(v) * 0.25), -1.5..1.5_f64];
+        [coordinate.clone(), coordinate.clone(), coordinate].prop_map(DVec3::from)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(1500))]
+
+        /// The tree finds what asking every triangle finds: the first hit, and every point's blockers, alone and in
+        /// company.
+        #[test]
+        fn the_tree_misses_nothing(
+            corners in proptest::collection::vec(any::<[i8; 3]>(), 0..240),
+            fine: bool,
+            size_m in prop_oneof![Just(1.0), Just(1e-3), Just(1e5)],
+            offset in prop_oneof![Just(DVec3::ZERO), Just(DVec3::new(3e4, -1e3, 7.0))],
+            turn in prop_oneof![Just(0.0), Just(0.7)],
+            from in local_point(),
+            to in local_point(),
+            spread in prop_oneof![Just(1e-6), Just(1e-3), Just(0.3)],
+            w in prop_oneof![Just(0.0), Just(1.0)],
+        ) {
+            let posed = soup(&corners, fine, offset, size_m, turn);
+            let reference = Reference::new(&posed);
+            let mut tracer = reference.tracer();
+            let world = |p: DVec3| offset + p * size_m;
+            let (start, direction) = (world(from), (to - from) * size_m);
+
+            let nearest = reference
+                .triangles
+                .iter()
+                .filter_map(|t| {
+                    let hit = Hit { instance: t.instance, triangle: t.triangle };
+                    t.hit(start, direction).filter(|t| (0.1..=2.0).contains(t)).map(|t| (hit, t))
+                })
+                .min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+            prop_assert_eq!(tracer.first_hit(start, direction, 0.1, 2.0), nearest);
+
+            let target = if w == 0.0 { direction } else { world(to) };
+            let light = DVec4::from((target, w));
+            let casters = reference.caster_set(&[0]);
+            let moves = [DVec3::ZERO, DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+            let points = moves.map(|m| world(from + m * spread));
+            let (off_plane_from, receiver) = (points.len(), Some(Hit { instance: 0, triangle: 0 }));
+            let probe = Probe { points: &points, off_plane_from, receiver, light, casters: &casters };
+            let all = reference.triangles.iter();
+            let expected = all.fold(0, |bits, t| bits | reference.blocked_by(t, &probe, 0x7f));
+            prop_assert_eq!(tracer.blocked(&probe), expected);
+            for (index, point) in points.iter().enumerate() {
+                let alone = tracer.is_blocked(*point, receiver, light, &casters);
+                prop_assert_eq!(alone, expected & (1 << index) != 0);
+            }
+        }
+    }
+
+    #[test]
+    fn an_empty_scene_shows_and_blocks_nothing() {
+        let reference = Reference::new(&Scene::new().pose().unwrap());
+        let mut tracer = reference.tracer();
+        assert_eq!(tracer.first_hit(DVec3::ZERO, DVec3::X, 0.0, f64::INFINITY), None);
+        let nobody = reference.caster_set(&[7]);
+        assert!(!tracer.is_blocked(DVec3::ZERO, None, DVec4::new(0.0, 1.0, 0.0, 0.0), &nobody));
+    }
+}

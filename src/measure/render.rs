@@ -22,8 +22,8 @@ pub const PIXEL_MOVE: f64 = 1.0 / 256.0;
 /// A rasteriser evaluates depth as a plane over the target: an anchor plus two products of up to a thousand pixels
 /// with slopes that are themselves quotients of rounded differences. Its absolute error is a few 2⁻²⁴ of the largest
 /// depth that plane reaches over the triangle, and a triangle's depth may well vary by a factor of ten and more: some
-/// tens of ulps at its far end. 64 is the next power of two; at depth near/z it is 4·10⁻⁶ of the distance z, a tenth
-/// of a pixel's move by [`PIXEL_MOVE`] at 1280×720 for surfaces that are not seen at a grazing angle.
+/// tens of ulps at its far end. 64 is the next power of two. At depth near/z that is 4·10⁻⁶ to 8·10⁻⁶ of the distance
+/// z, about as much as [`PIXEL_MOVE`] moves a point sideways at 1280×720, so that neither move dwarfs the other.
 pub const DEPTH_ULPS: u32 = 64;
 
 /// Told (rows done, rows in all) from any thread, in no certain order.
