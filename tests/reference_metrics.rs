@@ -48,7 +48,7 @@ fn errors(band: bool, change: impl Fn(usize, f32) -> f32) -> LightError {
     let mut measured = measured(&reference);
     let factors = reference.lights[0].factor.iter().enumerate();
     measured.lights[0].1 = factors.map(|(pixel, factor)| change(pixel, *factor)).collect();
-    compare(&measured, &reference).unwrap().remove(0)
+    compare(&measured, &reference).expect("the pictures belong together").remove(0)
 }
 
 #[test]
