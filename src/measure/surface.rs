@@ -14,6 +14,10 @@ use shadowgraph_engine::scene::{AlphaMode, Instance, Posed};
 /// loses about 4·2⁻⁵³ in each coordinate, and a determinant of differences feels it at most 2√3 times in each factor.
 const POSITION_EPSILON: f64 = 4e-15;
 
+/// The sine of the angle below which a ray does not hit a triangle but looks along it: where it would hit is then
+/// decided by rounding, and no pixel is that narrow.
+const EDGE_ON: f64 = 1e-9;
+
 /// A triangle of an opaque or masked surface.
 #[derive(Clone, Debug)]
 pub(super) struct Triangle {
@@ -70,8 +74,10 @@ impl Triangle {
         if !self.is_crossed(from, direction) {
             return None;
         }
-        let slope = self.normal().dot(direction);
-        if slope == 0.0 || f64::from(self.front) * slope > 0.0 {
+        let normal = self.normal();
+        let slope = normal.dot(direction);
+        let edge_on = slope.abs() <= EDGE_ON * normal.length() * direction.length();
+        if edge_on || f64::from(self.front) * slope > 0.0 {
             return None;
         }
         let t = self.plane_parameter(from, direction)?;
