@@ -14,8 +14,9 @@ use shadowgraph_engine::scene::{AlphaMode, Instance, Posed};
 /// loses about 4·2⁻⁵³ in each coordinate, and a determinant of differences feels it at most 2√3 times in each factor.
 const POSITION_EPSILON: f64 = 4e-15;
 
-/// The sine of the angle below which a ray does not hit a triangle but looks along it: where it would hit is then
-/// decided by rounding, and no pixel is that narrow.
+/// A ray does not hit a triangle when the determinant of two edges and the ray's direction is below this share of their
+/// lengths' product: it looks along the triangle, or the triangle is a needle. Where it would hit is then decided by
+/// rounding, and no pixel is that narrow.
 const EDGE_ON: f64 = 1e-9;
 
 /// A triangle of an opaque or masked surface.
@@ -74,9 +75,9 @@ impl Triangle {
         if !self.is_crossed(from, direction) {
             return None;
         }
-        let normal = self.normal();
-        let slope = normal.dot(direction);
-        let edge_on = slope.abs() <= EDGE_ON * normal.length() * direction.length();
+        let [a, b, c] = self.corners;
+        let slope = self.normal().dot(direction);
+        let edge_on = slope.abs() <= EDGE_ON * (b - a).length() * (c - a).length() * direction.length();
         if edge_on || f64::from(self.front) * slope > 0.0 {
             return None;
         }
