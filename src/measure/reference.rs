@@ -286,11 +286,11 @@ mod tests {
         [coordinate.clone(), coordinate.clone(), coordinate].prop_map(DVec3::from)
     }
 
-    /// A ray to try: from a point, through a corner, an edge or the inside of a triangle.
+    /// A ray to try: from a point, through a corner, an edge or the inside of a triangle, or just past it.
     type Aim = (DVec3, prop::sample::Index, f64, f64);
 
     fn aim() -> impl Strategy<Value = Aim> {
-        let share = || prop_oneof![Just(0.0), Just(1.0), 0.0..1.0_f64];
+        let share = || prop_oneof![Just(0.0), Just(1.0), -0.1..1.1_f64];
         (local_point(), any::<prop::sample::Index>(), share(), share())
     }
 
