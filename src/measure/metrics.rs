@@ -1,0 +1,360 @@
+//! How wrong a technique is: its factors beside the reference's, light by light.
+//!
+//! A pixel is compared for a light when the reference hits something there that the light reaches, and the technique
+//! saw the same triangle; pixels where they see different triangles are counted apart. It is *wrong* when the factors
+//! differ by more than ½: a **leak** where the technique is lit and the reference dark, a **false** shadow the other
+//! way round. The distribution (RMSE, mean, P99, maximum) is that of the linear difference over all compared pixels.
+
+use std::fmt;
+
+use thiserror::Error;
+
+use super::distance::distances;
+use super::reference::Hit;
+use super::render::{LightReference, ReferenceImage};
+
+/// The band may hold this many pixels for each pixel of shadow boundary.
+pub const BAND_PIXELS_PER_BOUNDARY_PIXEL: usize = 3;
+
+/// What the band may hold beside that: shadows and gaps thinner than a pixel pass between pixel centres, so that they
+/// have pixels in the band and none on the boundary. A handful of those is no excuse for errors; more is.
+pub const BAND_FLOOR_PIXELS: usize = 16;
+
+/// The largest share of hit pixels at which technique and reference may see different triangles before the comparison
+/// says nothing: edges cross a pixel centre's 1/256 neighbourhood in about 1 % of pixels even when every pixel has one.
+pub const MAX_DIFFERENT_SHARE: f64 = 0.1;
+
+/// A technique's output to be judged.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// Width and height in pixels; everything below is row by row, the top row first.
+    pub size_px: [u32; 2],
+    /// Instance and triangle of the visible surface; `u32::MAX` where nothing is.
+    pub ids: Vec<[u32; 2]>,
+    /// Each light's name and linear factors. Only finite values are compared; what they are where nothing is hit does
+    /// not matter.
+    pub lights: Vec<(String, Vec<f32>)>,
+}
+
+/// Why two pictures cannot be compared, or the comparison would be hollow.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
+pub enum CompareError {
+    #[error("the measured picture is {measured:?} pixels, the reference {reference:?}")]
+    Size { measured: [u32; 2], reference: [u32; 2] },
+    #[error("{what} has {count} pixels where the picture has {expected}")]
+    Length { what: String, count: usize, expected: usize },
+    #[error("light '{light}' was not measured (measured: {measured:?})")]
+    MissingLight { light: String, measured: Vec<String> },
+    #[error("light '{light}' was measured, but the reference does not have it (it has {reference:?})")]
+    UnknownLight { light: String, reference: Vec<String> },
+    #[error(
+        "light '{light}': the measured factor at pixel ({x}, {y}) is {value}, where the reference has one"
+    )]
+    NotFinite { light: String, x: usize, y: usize, value: f32 },
+    #[error("light '{light}': no pixel could be compared")]
+    NothingCompared { light: String },
+    #[error(
+        "light '{light}': a shadow was expected, but the {picture} has none in {compared} compared pixels"
+    )]
+    NoShadow { light: String, picture: &'static str, compared: usize },
+}
+
+/// The errors of one light.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LightError {
+    /// The light.
+    pub name: String,
+    /// Pixels compared.
+    pub compared: usize,
+    /// Pixels where the reference hits something.
+    pub hit_pixels: usize,
+    /// Pixels at which one sees another triangle than the other, or nothing; none of them is compared.
+    pub different_triangle: usize,
+    /// Compared pixels that are dark in the reference.
+    pub shadow_pixels: usize,
+    /// Compared pixels that are dark in the measured picture.
+    pub measured_shadow_pixels: usize,
+    /// Pixels whose reference factor differs from that of the pixel to the right or below.
+    pub boundary_pixels: usize,
+    /// Pixels of the ambiguity band.
+    pub band_pixels: usize,
+    /// Whether the band is wider than it may be.
+    pub band_too_wide: bool,
+    /// Wrong pixels.
+    pub wrong: usize,
+    /// Wrong pixels that should be dark.
+    pub leak: usize,
+    /// Wrong pixels that should be lit.
+    pub false_shadow: usize,
+    /// Wrong pixels outside the band.
+    pub wrong_outside_band: usize,
+    /// Leaks outside the band.
+    pub leak_outside_band: usize,
+    /// False shadows outside the band.
+    pub false_outside_band: usize,
+    /// Root of the mean squared difference.
+    pub rmse: f64,
+    /// Mean of measured − reference.
+    pub signed_mean: f64,
+    /// The absolute difference that 99 % of pixels do not exceed.
+    pub p99: f64,
+    /// The largest absolute difference.
+    pub max: f64,
+    /// Mean distance of wrong pixels from the nearest boundary pixel; 0 without wrong pixels, infinite without boundary.
+    pub boundary_distance_mean_px: f64,
+    /// Largest distance of a wrong pixel from the nearest boundary pixel.
+    pub boundary_distance_max_px: f64,
+}
+
+impl LightError {
+    /// Whether this is what an exact technique must deliver: something was compared, nearly everywhere the same
+    /// surface was seen, the band is no wider than it may be, and nothing is wrong outside it.
+    pub fn passes(&self) -> bool {
+        self.compared > 0
+            && self.wrong_outside_band == 0
+            && !self.band_too_wide
+            && self.different_triangle as f64 <= MAX_DIFFERENT_SHARE * self.hit_pixels as f64
+    }
+}
+
+/// Judges every light of `reference`.
+///
+/// # Errors
+/// Each way in which the pictures do not belong together is one variant of [`CompareError`].
+pub fn compare(measured: &Measured, reference: &ReferenceImage) -> Result<Vec<LightError>, CompareError> {
+    if measured.size_px != reference.size_px {
+        return Err(CompareError::Size { measured: measured.size_px, reference: reference.size_px });
+    }
+    let expected = reference.size_px[0] as usize * reference.size_px[1] as usize;
+    let length = |what: &dyn Fn() -> String, count: usize| {
+        if count == expected { Ok(()) } else { Err(CompareError::Length { what: what(), count, expected }) }
+    };
+    length(&|| "the measured id picture".into(), measured.ids.len())?;
+    length(&|| "the reference".into(), reference.hits.len())?;
+    for (name, factor) in &measured.lights {
+        length(&|| format!("the measured factor of light '{name}'"), factor.len())?;
+        if !reference.lights.iter().any(|light| light.name == *name) {
+            let reference = reference.lights.iter().map(|light| light.name.clone()).collect();
+            return Err(CompareError::UnknownLight { light: name.clone(), reference });
+        }
+    }
+    reference
+        .lights
+        .iter()
+        .map(|light| {
+            for (what, count) in [
+                ("factor", light.factor.len()),
+                ("compared", light.compared.len()),
+                ("ambiguous", light.ambiguous.len()),
+            ] {
+                length(&|| format!("the reference's '{what}' of light '{}'", light.name), count)?;
+            }
+            let (_, factor) =
+                measured.lights.iter().find(|(name, _)| *name == light.name).ok_or_else(|| {
+                    let measured = measured.lights.iter().map(|(name, _)| name.clone()).collect();
+                    CompareError::MissingLight { light: light.name.clone(), measured }
+                })?;
+            compare_light(measured, factor, reference, light)
+        })
+        .collect()
+}
+
+/// Refuses comparisons in which there was no shadow to get wrong: without dark pixels in the reference a test cannot
+/// fail, and without dark pixels in the measured picture the technique has done nothing.
+///
+/// # Errors
+/// [`CompareError::NothingCompared`] and [`CompareError::NoShadow`], for the first light concerned.
+pub fn expect_shadow(errors: &[LightError]) -> Result<(), CompareError> {
+    for error in errors {
+        let light = error.name.clone();
+        if error.compared == 0 {
+            return Err(CompareError::NothingCompared { light });
+        }
+        let compared = error.compared;
+        for (picture, count) in
+            [("reference", error.shadow_pixels), ("measured picture", error.measured_shadow_pixels)]
+        {
+            if count == 0 {
+                return Err(CompareError::NoShadow { light, picture, compared });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether both see the same surface, or both none.
+pub(super) fn sees_same(ids: [u32; 2], hit: Option<Hit>) -> bool {
+    hit.map_or([u32::MAX; 2], |hit| [hit.instance, hit.triangle]) == ids
+}
+
+fn compare_light(
+    measured: &Measured,
+    factor: &[f32],
+    reference: &ReferenceImage,
+    light: &LightReference,
+) -> Result<LightError, CompareError> {
+    let width = reference.size_px[0] as usize;
+    let boundary = boundary(light, width);
+    let count = |flags: &[bool]| flags.iter().filter(|flag| **flag).count();
+    let mut error = LightError {
+        name: light.name.clone(),
+        hit_pixels: reference.hits.iter().flatten().count(),
+        boundary_pixels: count(&boundary),
+        ..LightError::default()
+    };
+    let mut differences = Vec::new();
+    let mut wrong_pixels = Vec::new();
+    for (pixel, (ids, hit)) in measured.ids.iter().zip(&reference.hits).enumerate() {
+        let in_band = light.compared[pixel] && light.ambiguous[pixel];
+        error.band_pixels += usize::from(in_band);
+        if !sees_same(*ids, *hit) {
+            error.different_triangle += 1;
+            continue;
+        }
+        if !light.compared[pixel] {
+            continue;
+        }
+        let (value, exact) = (factor[pixel], light.factor[pixel]);
+        if !value.is_finite() {
+            let (x, y) = (pixel % width, pixel / width);
+            return Err(CompareError::NotFinite { light: light.name.clone(), x, y, value });
+        }
+        error.compared += 1;
+        error.shadow_pixels += usize::from(exact < 0.5);
+        error.measured_shadow_pixels += usize::from(value < 0.5);
+        let difference = f64::from(value) - f64::from(exact);
+        differences.push(difference);
+        if difference.abs() > 0.5 {
+            let (is_leak, outside) = (difference > 0.0, !in_band);
+            error.wrong += 1;
+            error.leak += usize::from(is_leak);
+            error.false_shadow += usize::from(!is_leak);
+            error.wrong_outside_band += usize::from(outside);
+            error.leak_outside_band += usize::from(is_leak && outside);
+            error.false_outside_band += usize::from(!is_leak && outside);
+            wrong_pixels.push(pixel);
+        }
+    }
+    let band_limit = BAND_PIXELS_PER_BOUNDARY_PIXEL * error.boundary_pixels + BAND_FLOOR_PIXELS;
+    error.band_too_wide = error.band_pixels > band_limit;
+    error.describe(differences);
+    if !wrong_pixels.is_empty() {
+        let distances = distances(&boundary, width);
+        let of_wrong = || wrong_pixels.iter().map(|pixel| distances[*pixel]);
+        error.boundary_distance_mean_px = of_wrong().sum::<f64>() / wrong_pixels.len() as f64;
+        error.boundary_distance_max_px = of_wrong().fold(0.0, f64::max);
+    }
+    Ok(error)
+}
+
+impl LightError {
+    /// Fills in the distribution of the `differences`.
+    fn describe(&mut self, mut differences: Vec<f64>) {
+        let count = differences.len();
+        if count == 0 {
+            return;
+        }
+        self.signed_mean = differences.iter().sum::<f64>() / count as f64;
+        self.rmse = (differences.iter().map(|d| d * d).sum::<f64>() / count as f64).sqrt();
+        for difference in &mut differences {
+            *difference = difference.abs();
+        }
+        // Nearest rank: the smallest value that at least 99 % of pixels do not exceed.
+        let rank = (count * 99).div_ceil(100) - 1;
+        let (_, p99, above) = differences.select_nth_unstable_by(rank, f64::total_cmp);
+        self.p99 = *p99;
+        self.max = above.iter().copied().fold(*p99, f64::max);
+    }
+}
+
+/// Which compared pixels differ from their right or lower compared neighbour.
+fn boundary(light: &LightReference, width: usize) -> Vec<bool> {
+    let pixels = light.factor.len();
+    let differs = |a: usize, b: usize| {
+        b < pixels
+            && light.compared[a]
+            && light.compared[b]
+            && light.factor[a].to_bits() != light.factor[b].to_bits()
+    };
+    (0..pixels).map(|i| ((i + 1) % width != 0 && differs(i, i + 1)) || differs(i, i + width)).collect()
+}
+
+/// The errors as a table in plain text, one light a line.
+#[derive(Clone, Copy, Debug)]
+pub struct ErrorTable<'a>(pub &'a [LightError]);
+
+impl fmt::Display for ErrorTable<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let head = [
+            "light",
+            "compared",
+            "other tri",
+            "boundary",
+            "band",
+            "wrong",
+            "leak",
+            "false",
+            "out of band",
+            "rmse",
+            "mean",
+            "p99",
+            "max",
+            "dist mean",
+            "dist max",
+            "verdict",
+        ];
+        let mut rows = vec![head.map(String::from)];
+        rows.extend(self.0.iter().map(|e| {
+            let verdict = match (e.passes(), e.band_too_wide) {
+                (true, _) => "ok",
+                (false, true) => "band too wide",
+                (false, false) => "FAILS",
+            };
+            [
+                e.name.clone(),
+                e.compared.to_string(),
+                e.different_triangle.to_string(),
+                e.boundary_pixels.to_string(),
+                e.band_pixels.to_string(),
+                e.wrong.to_string(),
+                e.leak.to_string(),
+                e.false_shadow.to_string(),
+                e.wrong_outside_band.to_string(),
+                format!("{:.5}", e.rmse),
+                format!("{:+.5}", e.signed_mean),
+                format!("{:.3}", e.p99),
+                format!("{:.3}", e.max),
+                format!("{:.2}", e.boundary_distance_mean_px),
+                format!("{:.2}", e.boundary_distance_max_px),
+                verdict.to_string(),
+            ]
+        }));
+        let widths: Vec<usize> = (0..head.len())
+            .map(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0))
+            .collect();
+        for (index, row) in rows.iter().enumerate() {
+            // Names to the left, numbers to the right.
+            write!(f, "{:<width$}", row[0], width = widths[0])?;
+            for (cell, width) in row[1..].iter().zip(&widths[1..]) {
+                write!(f, "  {cell:>width$}")?;
+            }
+            if index + 1 < rows.len() {
+                writeln!(f)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn p99_is_the_nearest_rank() {
+        let mut error = LightError::default();
+        error.describe((1..=200).map(f64::from).collect());
+        assert_eq!((error.p99, error.max, error.signed_mean), (198.0, 200.0, 100.5));
+    }
+}

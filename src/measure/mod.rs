@@ -1,0 +1,24 @@
+//! The measures: an exact reference for hard shadows, and what a technique's picture is worth beside it.
+//!
+//! [`Reference`] shoots its own rays at the posed scene in f64 and says for every pixel which triangle is seen and
+//! whether each light reaches it. [`compare`] puts a technique's factors beside it and counts what is wrong,
+//! [`expect_shadow`] refuses a comparison in which there was nothing to get wrong, and [`pictures`] writes both down.
+//! Nothing here shares a line with the techniques it judges, except the orientation signs of
+//! [`shadowgraph_engine::math`].
+
+mod bvh;
+mod distance;
+mod metrics;
+pub mod pictures;
+mod reference;
+mod render;
+mod surface;
+
+pub use metrics::{
+    BAND_FLOOR_PIXELS, BAND_PIXELS_PER_BOUNDARY_PIXEL, CompareError, ErrorTable, LightError,
+    MAX_DIFFERENT_SHARE, Measured, compare, expect_shadow,
+};
+pub use reference::{CasterSet, Hit, Reference, Tracer};
+pub use render::{
+    DEPTH_ULPS, LightQuery, LightReference, PIXEL_MOVE, Progress, ReferenceImage, SupersampledImage,
+};

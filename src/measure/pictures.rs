@@ -1,0 +1,111 @@
+//! Factors and error maps as files. A file appears whole or not at all.
+
+use std::fs;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+use image::{DynamicImage, ImageBuffer, ImageFormat, Rgb};
+use thiserror::Error;
+
+use super::metrics::{Measured, sees_same};
+use super::render::ReferenceImage;
+
+/// Why a picture was not written.
+#[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
+pub enum PictureError {
+    #[error("'{path}': {count} pixels are not a picture of {size_px:?}")]
+    Size { path: PathBuf, count: usize, size_px: [u32; 2] },
+    #[error("'{path}': light '{light}' is not in the {picture}")]
+    MissingLight { path: PathBuf, light: String, picture: &'static str },
+    #[error("'{path}' cannot be encoded: {source}")]
+    Encode { path: PathBuf, source: image::ImageError },
+    #[error("'{path}' cannot be written: {source}")]
+    Write { path: PathBuf, source: std::io::Error },
+}
+
+/// Writes a grey `factor` picture as OpenEXR, linear RGB in f32; NaN stays NaN.
+///
+/// # Errors
+/// [`PictureError`] names the path.
+pub fn write_factor(path: &Path, size_px: [u32; 2], factor: &[f32]) -> Result<(), PictureError> {
+    let rgb: Vec<[f32; 3]> = factor.iter().map(|f| [*f; 3]).collect();
+    write_rgb(path, size_px, &rgb)
+}
+
+/// Writes a coloured factor picture as OpenEXR, linear RGB in f32; NaN stays NaN.
+///
+/// # Errors
+/// [`PictureError`] names the path.
+pub fn write_rgb(path: &Path, size_px: [u32; 2], rgb: &[[f32; 3]]) -> Result<(), PictureError> {
+    let [width, height] = size_px;
+    let image = ImageBuffer::<Rgb<f32>, _>::from_raw(width, height, rgb.as_flattened().to_vec())
+        .filter(|_| holds(size_px, rgb.len()))
+        .ok_or_else(|| PictureError::Size { path: path.into(), count: rgb.len(), size_px })?;
+    write(path, &DynamicImage::ImageRgb32F(image), ImageFormat::OpenExr)
+}
+
+const LEAK: [u8; 3] = [230, 40, 30];
+const FALSE_SHADOW: [u8; 3] = [40, 90, 240];
+const BAND: [u8; 3] = [225, 195, 50];
+const DIFFERENT: [u8; 3] = [128, 128, 128];
+
+/// Writes where `light` is wrong, as PNG: leaks red, false shadows blue, what else is in the ambiguity band yellow,
+/// pixels that show different triangles grey, over the dimmed reference.
+///
+/// # Errors
+/// [`PictureError`] names the path.
+pub fn write_error_map(
+    path: &Path,
+    measured: &Measured,
+    reference: &ReferenceImage,
+    light: &str,
+) -> Result<(), PictureError> {
+    let missing = |picture| PictureError::MissingLight { path: path.into(), light: light.into(), picture };
+    let (_, factor) =
+        measured.lights.iter().find(|(name, _)| name == light).ok_or_else(|| missing("measured picture"))?;
+    let exact = reference.lights.iter().find(|l| l.name == light).ok_or_else(|| missing("reference"))?;
+    let size_px = reference.size_px;
+    for count in [factor.len(), measured.ids.len(), exact.factor.len(), reference.hits.len()] {
+        if !holds(size_px, count) {
+            return Err(PictureError::Size { path: path.into(), count, size_px });
+        }
+    }
+    let color = |pixel: usize| {
+        let difference = factor[pixel] - exact.factor[pixel];
+        match (exact.compared[pixel], difference) {
+            _ if !sees_same(measured.ids[pixel], reference.hits[pixel]) => DIFFERENT,
+            (true, d) if d > 0.5 => LEAK,
+            (true, d) if d < -0.5 => FALSE_SHADOW,
+            (true, _) if exact.ambiguous[pixel] => BAND,
+            // NaN, where nothing is, becomes black.
+            _ => [(exact.factor[pixel] * 70.0 + 20.0).max(0.0) as u8; 3],
+        }
+    };
+    let pixels: Vec<u8> = (0..factor.len()).flat_map(color).collect();
+    let image = ImageBuffer::<Rgb<u8>, _>::from_raw(size_px[0], size_px[1], pixels)
+        .ok_or_else(|| PictureError::Size { path: path.into(), count: factor.len(), size_px })?;
+    write(path, &DynamicImage::ImageRgb8(image), ImageFormat::Png)
+}
+
+fn holds([width, height]: [u32; 2], count: usize) -> bool {
+    width as usize * height as usize == count
+}
+
+/// Encodes in memory, writes beside the target, then moves into place.
+fn write(path: &Path, image: &DynamicImage, format: ImageFormat) -> Result<(), PictureError> {
+    let mut bytes = Cursor::new(Vec::new());
+    image
+        .write_to(&mut bytes, format)
+        .map_err(|source| PictureError::Encode { path: path.into(), source })?;
+    let mut name = std::ffi::OsString::from(".");
+    name.push(path.file_name().unwrap_or_default());
+    name.push(format!(".{}.part", std::process::id()));
+    let part = path.with_file_name(name);
+    let written = fs::write(&part, bytes.into_inner()).and_then(|()| fs::rename(&part, path));
+    written.map_err(|source| {
+        // Nothing to be done about a remainder that cannot be removed either; the first error is the one to tell.
+        let _ = fs::remove_file(&part);
+        PictureError::Write { path: path.into(), source }
+    })
+}

@@ -1,0 +1,321 @@
+//! Reference pictures: the first hit of every pixel, each light's factor there, and where that factor is ambiguous.
+//!
+//! **Ambiguity band.** A rasteriser knows positions to 1/256 pixel and depth to some ulps of f32. A pixel is ambiguous
+//! for a light when its factor changes under such a move of the receiver point: four moves by [`PIXEL_MOVE`] on the
+//! receiving triangle's plane, two by [`DEPTH_ULPS`] along the ray. The receiving triangle is kept throughout. A move
+//! that leads nowhere (parallel to the plane, behind the eye) makes the pixel ambiguous as well.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use glam::{DVec3, DVec4};
+use rayon::prelude::*;
+use shadowgraph_engine::math::Projection;
+use shadowgraph_engine::scene::PosedCamera;
+
+use super::reference::{CasterSet, Hit, Probe, Reference, Tracer};
+
+/// How far a pixel centre moves for the ambiguity band: rasterisers snap vertices to this fraction of a pixel.
+pub const PIXEL_MOVE: f64 = 1.0 / 256.0;
+
+/// How many ulps of f32 the receiver's depth moves for the ambiguity band.
+///
+/// A rasteriser evaluates depth as a plane over the target: an anchor plus two products of up to a thousand pixels
+/// with slopes that are themselves quotients of rounded differences. Its absolute error is a few 2⁻²⁴ of the largest
+/// depth that plane reaches over the triangle, and a triangle's depth may well vary by a factor of ten and more: some
+/// tens of ulps at its far end. 64 is the next power of two. At depth near/z that is 4·10⁻⁶ to 8·10⁻⁶ of the distance
+/// z, about as much as [`PIXEL_MOVE`] moves a point sideways at 1280×720, so that neither move dwarfs the other.
+pub const DEPTH_ULPS: u32 = 64;
+
+/// Told (rows done, rows in all) from any thread, in no certain order.
+pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
+
+/// A light to judge, and what casts for it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LightQuery {
+    /// The index of the light in `Posed::lights`.
+    pub light: usize,
+    /// Indices into `Posed::instances`.
+    pub casters: Vec<usize>,
+}
+
+/// What is seen at every pixel, and every light's factor there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReferenceImage {
+    /// Width and height in pixels; everything below is row by row, the top row first.
+    pub size_px: [u32; 2],
+    /// What the pixel's centre shows.
+    pub hits: Vec<Option<Hit>>,
+    /// One for each query, in order.
+    pub lights: Vec<LightReference>,
+}
+
+/// One light's part of a [`ReferenceImage`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightReference {
+    /// The light's name, as in `Posed::lights`.
+    pub name: String,
+    /// 1 lit, 0 dark, NaN where nothing is hit.
+    pub factor: Vec<f32>,
+    /// Whether the factor counts: something is hit, and the light's range and cone reach it.
+    pub compared: Vec<bool>,
+    /// Whether the factor changes under the moves of the ambiguity band.
+    pub ambiguous: Vec<bool>,
+}
+
+/// The mean factor over each pixel, edges between surfaces included.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SupersampledImage {
+    /// Width and height in pixels.
+    pub size_px: [u32; 2],
+    /// For each query the light's name and, row by row, the mean factor of those sub-pixels that hit something, NaN
+    /// where none does.
+    pub lights: Vec<(String, Vec<f32>)>,
+}
+
+impl Reference {
+    /// The reference picture through pixel centres. A query for a light that the scene does not have is skipped.
+    pub fn render(
+        &self,
+        camera: &PosedCamera,
+        size_px: [u32; 2],
+        lights: &[LightQuery],
+        progress: &Progress<'_>,
+    ) -> ReferenceImage {
+        let view = View::new(camera, size_px);
+        let queries = self.resolve(lights);
+        let rows = for_rows(size_px, progress, |y| {
+            let mut tracers: Vec<_> = queries.iter().map(|_| self.tracer()).collect();
+            let mut first = self.tracer();
+            let mut hits = Vec::with_capacity(size_px[0] as usize);
+            let mut judged = vec![Vec::with_capacity(size_px[0] as usize); queries.len()];
+            for x in 0..size_px[0] {
+                let pixel = [f64::from(x) + 0.5, f64::from(y) + 0.5];
+                let seen = view.first_hit(&mut first, pixel);
+                hits.push(seen.map(|(hit, _)| hit));
+                let moved = seen.and_then(|(hit, t)| Moved::new(self, &view, pixel, hit, t));
+                for ((query, tracer), judged) in queries.iter().zip(&mut tracers).zip(&mut judged) {
+                    judged.push(moved.as_ref().map(|moved| query.judge(tracer, moved)));
+                }
+            }
+            (hits, judged)
+        });
+        let hits = rows.iter().flat_map(|(hits, _)| hits).copied().collect();
+        let lights = queries.iter().enumerate().map(|(index, query)| {
+            let pixels = || rows.iter().flat_map(|(_, judged)| &judged[index]);
+            LightReference {
+                name: self.lights[query.light].name.clone(),
+                factor: pixels().map(|p| p.map_or(f32::NAN, |p| p.factor)).collect(),
+                compared: pixels().map(|p| p.is_some_and(|p| p.compared)).collect(),
+                ambiguous: pixels().map(|p| p.is_some_and(|p| p.ambiguous)).collect(),
+            }
+        });
+        ReferenceImage { size_px, hits, lights: lights.collect() }
+    }
+
+    /// The mean over `n`×`n` sub-pixels, each with its own first hit: what a picture without aliasing would show.
+    pub fn render_supersampled(
+        &self,
+        camera: &PosedCamera,
+        size_px: [u32; 2],
+        lights: &[LightQuery],
+        progress: &Progress<'_>,
+        n: u32,
+    ) -> SupersampledImage {
+        let view = View::new(camera, size_px);
+        let queries = self.resolve(lights);
+        let n = n.max(1);
+        let rows = for_rows(size_px, progress, |y| {
+            let mut tracers: Vec<_> = queries.iter().map(|_| self.tracer()).collect();
+            let mut first = self.tracer();
+            let mut means = vec![Vec::with_capacity(size_px[0] as usize); queries.len()];
+            for x in 0..size_px[0] {
+                let mut sums = vec![0.0; queries.len()];
+                let mut count = 0;
+                for sub in 0..n * n {
+                    let within = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
+                    let pixel = [f64::from(x) + within(sub % n), f64::from(y) + within(sub / n)];
+                    let Some((hit, t)) = view.first_hit(&mut first, pixel) else { continue };
+                    let Some(point) = view.point_on(self, pixel, hit, t) else { continue };
+                    count += 1;
+                    for ((query, tracer), sum) in queries.iter().zip(&mut tracers).zip(&mut sums) {
+                        let light = &self.lights[query.light];
+                        *sum += if light.reaches(point) {
+                            tracer.visibility_at(point, hit, view.eye, light.position, &query.casters)
+                        } else {
+                            1.0
+                        };
+                    }
+                }
+                for (mean, sum) in means.iter_mut().zip(sums) {
+                    mean.push(if count == 0 { f32::NAN } else { sum / count as f32 });
+                }
+            }
+            means
+        });
+        let lights = queries.iter().enumerate().map(|(index, query)| {
+            let factor = rows.iter().flat_map(|means| &means[index]).copied().collect();
+            (self.lights[query.light].name.clone(), factor)
+        });
+        SupersampledImage { size_px, lights: lights.collect() }
+    }
+
+    fn resolve(&self, lights: &[LightQuery]) -> Vec<Query> {
+        lights
+            .iter()
+            .filter(|query| query.light < self.lights.len())
+            .map(|query| Query { light: query.light, casters: self.caster_set(&query.casters) })
+            .collect()
+    }
+}
+
+/// Runs `row` for every row, in parallel, and returns what it gave from top to bottom.
+fn for_rows<T: Send>(size_px: [u32; 2], progress: &Progress<'_>, row: impl Fn(u32) -> T + Sync) -> Vec<T> {
+    let done = AtomicUsize::new(0);
+    (0..size_px[1])
+        .into_par_iter()
+        .map(|y| {
+            let result = row(y);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, size_px[1] as usize);
+            result
+        })
+        .collect()
+}
+
+/// A camera with a target.
+struct View<'a> {
+    camera: &'a PosedCamera,
+    size_px: [f64; 2],
+    eye: DVec4,
+}
+
+impl<'a> View<'a> {
+    fn new(camera: &'a PosedCamera, size_px: [u32; 2]) -> Self {
+        Self { camera, size_px: size_px.map(f64::from), eye: camera.frustum(size_px).eye }
+    }
+
+    /// The ray through a place of the target, in pixels from its top left corner; its parameter is the distance from
+    /// the eye along the axis of view.
+    fn ray(&self, [x, y]: [f64; 2]) -> (DVec3, DVec3) {
+        let [width, height] = self.size_px;
+        let (ndc_x, ndc_y) = (2.0 * x / width - 1.0, 1.0 - 2.0 * y / height);
+        let (origin, direction) = self.camera.projection.view_ray(ndc_x, ndc_y, width / height);
+        let world_from_view = &self.camera.world_from_view;
+        (world_from_view.transform_point3(origin), world_from_view.transform_vector3(direction))
+    }
+
+    fn first_hit(&self, tracer: &mut Tracer<'_>, pixel: [f64; 2]) -> Option<(Hit, f64)> {
+        let (from, direction) = self.ray(pixel);
+        let projection = &self.camera.projection;
+        tracer.first_hit(from, direction, projection.near_m(), projection.far_m())
+    }
+
+    /// Where the ray at distance `t` lies on the triangle of `hit`.
+    fn point_on(&self, reference: &Reference, pixel: [f64; 2], hit: Hit, t: f64) -> Option<DVec3> {
+        let (from, direction) = self.ray(pixel);
+        Some(reference.surface(hit)?.onto_plane(from + direction * t))
+    }
+
+    /// The distance at which the depth is `ulps` ulps away from that at distance `t`.
+    fn distance_moved(&self, t: f64, ulps: f64) -> f64 {
+        match self.camera.projection {
+            Projection::Perspective { near_m, .. } => {
+                let depth = (near_m / t) as f32;
+                let ulp = f64::from(depth.next_up()) - f64::from(depth);
+                near_m / (near_m / t + ulps * ulp)
+            }
+            // Orthographic depth is a difference of two numbers around 1 whatever its own size: an ulp is one of 1.
+            Projection::Orthographic { near_m, far_m, .. } => {
+                t - ulps * f64::from(f32::EPSILON) * (far_m - near_m)
+            }
+        }
+    }
+}
+
+/// The centre, four moves on the plane, two in depth.
+const MOVES: usize = 7;
+
+/// A receiver point and its moved copies.
+struct Moved {
+    hit: Hit,
+    /// The last two are those moved in depth.
+    points: [DVec3; MOVES],
+    /// Some move led nowhere; its point is then the centre's.
+    lost: bool,
+    receives: bool,
+    /// The side on which the eye is.
+    eye_side: i32,
+}
+
+impl Moved {
+    fn new(reference: &Reference, view: &View<'_>, [x, y]: [f64; 2], hit: Hit, t: f64) -> Option<Self> {
+        let surface = reference.surface(hit)?;
+        let (from, direction) = view.ray([x, y]);
+        let center = surface.onto_plane(from + direction * t);
+        let mut points = [center; MOVES];
+        let mut lost = false;
+        let moves = [[-PIXEL_MOVE, 0.0], [PIXEL_MOVE, 0.0], [0.0, -PIXEL_MOVE], [0.0, PIXEL_MOVE]];
+        for (point, [dx, dy]) in points[1..5].iter_mut().zip(moves) {
+            let (from, direction) = view.ray([x + dx, y + dy]);
+            match surface.plane_parameter(from, direction).filter(|t| *t > 0.0) {
+                Some(t) => *point = surface.onto_plane(from + direction * t),
+                None => lost = true,
+            }
+        }
+        for (point, sign) in points[5..].iter_mut().zip([-1.0, 1.0]) {
+            let t = view.distance_moved(t, sign * f64::from(DEPTH_ULPS));
+            if t.is_finite() && t > 0.0 {
+                *point = from + direction * t;
+            } else {
+                lost = true;
+            }
+        }
+        let eye_side = surface.facing(view.eye);
+        Some(Self { hit, points, lost, receives: surface.receives, eye_side })
+    }
+}
+
+struct Query {
+    light: usize,
+    casters: CasterSet,
+}
+
+/// What a query says about a pixel.
+#[derive(Clone, Copy)]
+struct Judged {
+    factor: f32,
+    compared: bool,
+    ambiguous: bool,
+}
+
+impl Query {
+    fn judge(&self, tracer: &mut Tracer<'_>, moved: &Moved) -> Judged {
+        let light = &tracer.reference.lights[self.light];
+        let compared = light.reaches(moved.points[0]);
+        let reached =
+            (0..MOVES).filter(|i| light.reaches(moved.points[*i])).fold(0_u8, |bits, i| bits | 1 << i);
+        if !moved.receives || reached == 0 {
+            return Judged { factor: 1.0, compared, ambiguous: false };
+        }
+        let surface = tracer.reference.surface(moved.hit);
+        let turned_away = surface.is_some_and(|s| s.facing(light.position) * moved.eye_side < 0);
+        let dark = if turned_away {
+            reached
+        } else {
+            let probe = Probe {
+                points: &moved.points,
+                off_plane_from: 5,
+                receiver: Some(moved.hit),
+                light: light.position,
+                casters: &self.casters,
+            };
+            tracer.blocked(&probe) & reached
+        };
+        // Every move agrees when all are dark or none is. A surface turned away stays so wherever the point moves.
+        let all = (1_u8 << MOVES) - 1;
+        Judged {
+            factor: if dark & 1 == 0 { 1.0 } else { 0.0 },
+            compared,
+            ambiguous: (dark != 0 && dark != all) || (moved.lost && !turned_away),
+        }
+    }
+}
