@@ -2,7 +2,9 @@
 
 mod exposure;
 mod frame;
+mod renderer;
 mod surfaces;
 
 pub use exposure::Exposure;
 pub use frame::{Adapter, FrameError, FrameRequest, PictureFormat, plan_frame};
+pub use renderer::{FactorImage, Frame, RenderError, RenderOptions, Renderer};

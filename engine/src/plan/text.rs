@@ -93,7 +93,7 @@ impl FramePlan {
         write!(f, "    draw '{}' ", draw.name)?;
         match &draw.geometry {
             Geometry::Surfaces { style, parts, .. } => {
-                write!(f, "{style:?} surfaces, {} parts, ", parts.len())?
+                write!(f, "{style:?} surfaces, {} parts, ", parts.len())?;
             }
             Geometry::Indexed { .. } => write!(f, "indexed, ")?,
             Geometry::Procedural { .. } => write!(f, "procedural, ")?,

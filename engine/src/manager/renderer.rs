@@ -1,0 +1,192 @@
+//! One object that renders scenes: poses, collects, plans and executes, and keeps what does not change.
+
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use super::Exposure;
+use super::frame::{Adapter, FrameError, FrameRequest, PictureFormat, plan_frame};
+use crate::gpu::{Executed, Executor, FrameInputs, Gpu, GpuError, PassTime, Pixels, PixelsError, Timing};
+use crate::plan::{FramePlan, SlotId};
+use crate::scene::{Posed, Scene, SceneError};
+use crate::shadow::{Cache, Catalog, Registry, ShadowError};
+
+/// Why a frame was not rendered. Nothing is drawn in its place.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs, reason = "each is explained where it is defined")]
+pub enum RenderError {
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    #[error(transparent)]
+    Shadow(#[from] ShadowError),
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    #[error(transparent)]
+    Pixels(#[from] PixelsError),
+}
+
+/// What is wanted besides the frame itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RenderOptions {
+    /// How bright.
+    pub exposure: Exposure,
+    /// What is timed.
+    pub timing: Timing,
+    /// Whether the picture is copied to the CPU.
+    pub read_picture: bool,
+}
+
+/// The factor of one light as a linear image.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FactorImage {
+    /// The light's name.
+    pub light: String,
+    /// The values.
+    pub pixels: Pixels,
+}
+
+/// A rendered frame.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// The plan that was executed.
+    pub plan: Arc<FramePlan>,
+    /// The picture, if it was read.
+    pub picture: Option<Pixels>,
+    /// (instance, triangle) of every pixel, if factors were asked for; `u32::MAX` where nothing is.
+    pub visible_triangles: Option<Vec<[u32; 2]>>,
+    /// The factor of every light that a shadow node serves, if asked for.
+    pub factors: Vec<FactorImage>,
+    /// GPU times of passes.
+    pub times: Vec<PassTime>,
+    /// GPU time of the whole frame, in milliseconds.
+    pub gpu_ms: Option<f64>,
+    /// Bytes on the GPU.
+    pub gpu_bytes: u64,
+}
+
+/// Renders scenes on one device with one catalog of techniques.
+#[derive(Debug)]
+pub struct Renderer {
+    executor: Executor,
+    catalog: Catalog,
+    cache: Cache,
+    /// The posed scene of one revision, with its shadow nodes by light.
+    posed: Option<(u64, Arc<Posed>, Arc<Registry>)>,
+}
+
+impl Renderer {
+    /// A renderer on `gpu` that knows the techniques of `catalog`.
+    pub fn new(gpu: Gpu, catalog: Catalog) -> Self {
+        Self { executor: Executor::new(gpu), catalog, cache: Cache::new(), posed: None }
+    }
+
+    /// The device it runs on.
+    pub fn gpu(&self) -> &Gpu {
+        self.executor.gpu()
+    }
+
+    /// The techniques it knows.
+    pub fn catalog(&self) -> &Catalog {
+        &self.catalog
+    }
+
+    /// How many results were computed and how many buffers uploaded since the renderer was made. Neither grows in a
+    /// frame in which nothing moved.
+    pub fn work_done(&self) -> (u64, u64) {
+        (self.cache.computed(), self.executor.uploads())
+    }
+
+    /// The scene flattened, and its shadow nodes by light; kept until the scene changes.
+    ///
+    /// # Errors
+    /// What is wrong with the scene or its shadow nodes.
+    pub fn posed(&mut self, scene: &Scene) -> Result<(Arc<Posed>, Arc<Registry>), RenderError> {
+        if let Some((revision, posed, registry)) = &self.posed
+            && *revision == scene.revision()
+        {
+            return Ok((Arc::clone(posed), Arc::clone(registry)));
+        }
+        let posed = Arc::new(scene.pose()?);
+        let registry = Arc::new(Registry::collect(&posed, &self.catalog)?);
+        self.posed = Some((scene.revision(), Arc::clone(&posed), Arc::clone(&registry)));
+        Ok((posed, registry))
+    }
+
+    /// Plans a frame without executing it.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`], but for the device's own.
+    pub fn plan(&mut self, scene: &Scene, request: &FrameRequest) -> Result<FramePlan, RenderError> {
+        let (posed, registry) = self.posed(scene)?;
+        let gpu = self.executor.gpu();
+        let name = gpu.name();
+        let adapter =
+            Adapter { name: &name, features: gpu.features, max_size_px: gpu.limits.max_texture_dimension_2d };
+        Ok(plan_frame(&posed, &registry, request, &adapter, &mut self.cache)?)
+    }
+
+    /// Renders one frame and waits for it.
+    ///
+    /// # Errors
+    /// What is wrong with the scene, its shadow nodes, the request, or the device.
+    pub fn render(
+        &mut self,
+        scene: &Scene,
+        request: &FrameRequest,
+        options: &RenderOptions,
+    ) -> Result<Frame, RenderError> {
+        self.cache.begin_frame();
+        let plan = Arc::new(self.plan(scene, request)?);
+        let (posed, _) = self.posed(scene)?;
+        let wanted = wanted_slots(&plan, options.read_picture);
+        let read_back: Vec<SlotId> = wanted.iter().map(|(slot, _)| *slot).collect();
+        let inputs = FrameInputs {
+            posed: &posed,
+            camera: &request.camera,
+            exposure: options.exposure.factor(&posed),
+            tone_map: request.picture == PictureFormat::Srgb8,
+            timing: options.timing,
+            read_back: &read_back,
+        };
+        let executed = self.executor.execute(&plan, &inputs)?;
+        Ok(frame_of(plan, wanted, executed)?)
+    }
+}
+
+/// What a slot that is read back is for.
+#[derive(Clone, Debug)]
+enum Purpose {
+    Picture,
+    VisibleTriangles,
+    Factor(String),
+}
+
+fn wanted_slots(plan: &FramePlan, read_picture: bool) -> Vec<(SlotId, Purpose)> {
+    let mut wanted = Vec::new();
+    wanted.extend(read_picture.then_some((plan.picture, Purpose::Picture)));
+    wanted.extend(plan.visible_triangles.map(|slot| (slot, Purpose::VisibleTriangles)));
+    for light in &plan.lights {
+        wanted.extend(light.factor_image.map(|slot| (slot, Purpose::Factor(light.name.clone()))));
+    }
+    wanted
+}
+
+fn frame_of(
+    plan: Arc<FramePlan>,
+    wanted: Vec<(SlotId, Purpose)>,
+    executed: Executed,
+) -> Result<Frame, PixelsError> {
+    let Executed { pixels, times, gpu_ms, gpu_bytes } = executed;
+    let mut frame =
+        Frame { plan, picture: None, visible_triangles: None, factors: vec![], times, gpu_ms, gpu_bytes };
+    for ((_, purpose), pixels) in wanted.into_iter().zip(pixels) {
+        match purpose {
+            Purpose::Picture => frame.picture = Some(pixels),
+            Purpose::VisibleTriangles => frame.visible_triangles = Some(pixels.pairs()?),
+            Purpose::Factor(light) => frame.factors.push(FactorImage { light, pixels }),
+        }
+    }
+    Ok(frame)
+}
