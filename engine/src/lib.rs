@@ -4,5 +4,6 @@
 //! [`shadow`] and is registered in a catalog; scenes name it in their shadow nodes.
 
 pub mod geometry;
+pub mod gltf;
 pub mod math;
 pub mod scene;
