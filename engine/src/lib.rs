@@ -4,6 +4,7 @@
 //! [`shadow`] and is registered in a catalog; scenes name it in their shadow nodes.
 
 pub mod geometry;
+pub mod gltf;
 pub mod gpu;
 pub mod manager;
 pub mod math;

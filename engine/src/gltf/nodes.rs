@@ -1,0 +1,294 @@
+//! Nodes: hierarchy, transforms and what they carry.
+//!
+//! A glTF node may carry a mesh, a light, a camera and extensions at once; an engine node holds one thing. The
+//! first stays on the node, the others become children of it that stand where it stands.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat4, DQuat, DVec3};
+use serde_json::Value;
+
+use super::accessors::Accessors;
+use super::document::Document;
+use super::extension::{self, SHADOW_NODE, Targets};
+use super::fields::{Item, Switches};
+use super::hierarchy::Hierarchy;
+use super::images::Images;
+use super::limits::{Budget, Warnings};
+use super::{GltfError, ShadowTypes, materials, meshes, punctual};
+use crate::geometry::Mesh;
+use crate::scene::{
+    CameraKey, Content, ImageKey, LightKey, MaterialKey, MeshKey, MeshNode, NodeKey, Scene, ShadowFlags,
+    ShadowKey, ShadowNode, placed,
+};
+
+/// A loaded glTF mesh: its shape, its materials by slot, and the shadow flags it states.
+type MeshEntry = (MeshKey, Vec<MaterialKey>, Switches);
+
+/// Builds an engine scene from a document.
+pub(super) struct Builder<'a> {
+    pub(super) document: &'a Document,
+    pub(super) accessors: Accessors<'a>,
+    pub(super) base_dir: Option<&'a Path>,
+    pub(super) budget: Budget,
+    pub(super) warnings: Warnings,
+    pub(super) scene: Scene,
+    meshes: HashMap<usize, MeshEntry>,
+    materials: HashMap<Option<usize>, MaterialKey>,
+    images: HashMap<usize, ImageKey>,
+    lights: HashMap<(usize, String, bool), LightKey>,
+    cameras: HashMap<(usize, String), CameraKey>,
+}
+
+impl<'a> Builder<'a> {
+    pub(super) fn new(
+        document: &'a Document,
+        accessors: Accessors<'a>,
+        base_dir: Option<&'a Path>,
+        budget: Budget,
+        warnings: Warnings,
+    ) -> Self {
+        Self {
+            document,
+            accessors,
+            base_dir,
+            budget,
+            warnings,
+            scene: Scene::new(),
+            meshes: HashMap::new(),
+            materials: HashMap::new(),
+            images: HashMap::new(),
+            lights: HashMap::new(),
+            cameras: HashMap::new(),
+        }
+    }
+
+    /// Adds the nodes of scene `wanted` (the default one for `None`), and returns the keys by glTF node index.
+    pub(super) fn build(
+        &mut self,
+        wanted: Option<usize>,
+        types: Option<&dyn ShadowTypes>,
+    ) -> Result<Vec<Option<NodeKey>>, GltfError> {
+        let document = self.document;
+        let nodes = items("node", &document.nodes)?;
+        let hierarchy = Hierarchy::read(&nodes)?;
+        let roots = self.roots(wanted, &hierarchy, nodes.len())?;
+
+        let order = hierarchy.preorder(roots);
+        let mut keys: Vec<Option<NodeKey>> = vec![None; nodes.len()];
+        let (mut has_light, mut has_mesh) = (vec![false; nodes.len()], vec![false; nodes.len()]);
+        let mut shadows: Vec<(ShadowKey, usize)> = Vec::new();
+        for &index in &order {
+            let node = &nodes[index];
+            let contents = self.contents(node)?;
+            for content in &contents {
+                has_light[index] |= matches!(content, Content::Light(_));
+                has_mesh[index] |= matches!(content, Content::Mesh(_));
+                if let Content::Shadow(key) = content {
+                    shadows.push((*key, index));
+                }
+            }
+            let parent = hierarchy.parent(index).and_then(|parent| keys[parent]);
+            keys[index] = Some(self.add(node, parent, contents)?);
+        }
+        for &index in order.iter().rev() {
+            if let Some(parent) = hierarchy.parent(index) {
+                has_light[parent] |= has_light[index];
+                has_mesh[parent] |= has_mesh[index];
+            }
+        }
+
+        let targets = Targets { keys: &keys, lights: &has_light, meshes: &has_mesh };
+        for (key, index) in shadows {
+            let node = &nodes[index];
+            let value = node.extension(SHADOW_NODE).unwrap_or(&Value::Null);
+            let shadow = extension::read(&node.label(), value, &targets)?;
+            if let Some(types) = types {
+                let bad = |problem| GltfError::ShadowType { node: node.label(), problem };
+                types.check(&shadow).map_err(bad)?;
+            }
+            if let Some(slot) = self.scene.shadow_mut(key) {
+                *slot = shadow;
+            }
+        }
+        Ok(keys)
+    }
+
+    /// The root nodes of the scene to load; also takes over its surroundings.
+    fn roots(
+        &mut self,
+        wanted: Option<usize>,
+        hierarchy: &Hierarchy,
+        nodes: usize,
+    ) -> Result<Vec<usize>, GltfError> {
+        let count = self.document.scenes.len();
+        let default = self.document.default_scene.map(|scene| usize::try_from(scene).unwrap_or(usize::MAX));
+        let index = match wanted.or(default) {
+            Some(scene) if scene >= count => return Err(GltfError::NoSuchScene { scene, count }),
+            Some(scene) => scene,
+            None => 0,
+        };
+        let Some(value) = self.document.scenes.get(index) else {
+            self.warnings.add("the file has no scene; nothing is shown");
+            return Ok(Vec::new());
+        };
+        let item = Item::new("scene", index, value)?;
+        let roots = item.indices("nodes", "node", nodes)?;
+        hierarchy.check_roots(index, &roots)?;
+        if let Some(extras) = item.inner("extras").ok().flatten() {
+            let color =
+                |field| extras.numbers::<3>(field).ok().flatten().map(|rgb| DVec3::from(rgb).as_vec3());
+            if let Some(ambient) = color("shadowgraphAmbient").filter(|color| color.is_finite()) {
+                self.scene.set_ambient(ambient);
+            }
+            if let Some(background) = color("shadowgraphBackground").filter(|color| color.is_finite()) {
+                self.scene.set_background(background);
+            }
+        }
+        Ok(roots)
+    }
+
+    /// Adds one glTF node.
+    fn add(
+        &mut self,
+        node: &Item<'_>,
+        parent: Option<NodeKey>,
+        contents: Vec<Content>,
+    ) -> Result<NodeKey, GltfError> {
+        let name = node.name().unwrap_or_default();
+        let mut contents = contents.into_iter();
+        let first = contents.next().unwrap_or_default();
+        let key = self.scene.add(parent, name, transform(node)?, first);
+        for content in contents {
+            self.scene.add(Some(key), name, DAffine3::IDENTITY, content);
+        }
+        let visibility = node.extension("KHR_node_visibility").and_then(|value| value.get("visible"));
+        if visibility.and_then(Value::as_bool) == Some(false)
+            && let Some(added) = self.scene.node_mut(key)
+        {
+            added.visible = false;
+        }
+        Ok(key)
+    }
+
+    /// All that a glTF node carries.
+    fn contents(&mut self, node: &Item<'_>) -> Result<Vec<Content>, GltfError> {
+        let document = self.document;
+        let name = node.name().unwrap_or_default();
+        let switches = node.shadow_switches();
+        let mut contents = Vec::new();
+        if let Some(index) = node.index("mesh", "mesh", document.root.meshes.len())? {
+            let (mesh, materials, stated) = self.mesh(index)?;
+            let flags = switches.or(stated);
+            let shadow =
+                ShadowFlags { casts: flags.casts.unwrap_or(true), receives: flags.receives.unwrap_or(true) };
+            contents.push(Content::Mesh(MeshNode { mesh, materials, shadow }));
+        }
+        if node.get("skin").is_some() {
+            self.warnings
+                .add(format!("{}: its skin is ignored, the mesh stays in its bind pose", node.label()));
+        }
+        if let Some(punctual) = node.extension("KHR_lights_punctual") {
+            let reference = Item::new("light reference of node", node.index, punctual)?;
+            let index = reference.index("light", "light", document.lights.len())?;
+            let index = index.ok_or_else(|| reference.wrong("light", "is missing"))?;
+            let mut light = punctual::light(&Item::new("light", index, &document.lights[index])?, name)?;
+            light.casts_shadows &= switches.casts.unwrap_or(true);
+            let scene = &mut self.scene;
+            let entry = self.lights.entry((index, light.name.clone(), light.casts_shadows));
+            contents.push(Content::Light(*entry.or_insert_with(|| scene.add_light_data(light))));
+        }
+        if let Some(index) = node.index("camera", "camera", document.cameras.len())? {
+            let camera = punctual::camera(&Item::new("camera", index, &document.cameras[index])?, name)?;
+            let scene = &mut self.scene;
+            let entry = self.cameras.entry((index, camera.name.clone()));
+            contents.push(Content::Camera(*entry.or_insert_with(|| scene.add_camera_data(camera))));
+        }
+        if node.extension(SHADOW_NODE).is_some() {
+            // Read once every node has its key.
+            contents.push(Content::Shadow(self.scene.add_shadow_data(ShadowNode::default())));
+        }
+        Ok(contents)
+    }
+
+    fn mesh(&mut self, index: usize) -> Result<MeshEntry, GltfError> {
+        if let Some(entry) = self.meshes.get(&index) {
+            return Ok(entry.clone());
+        }
+        let read = meshes::read(&self.accessors, index, &mut self.budget, &mut self.warnings)?;
+        let mesh = Mesh::new(read.data).map_err(|source| GltfError::Mesh { mesh: index, source })?;
+        let key = self.scene.add_mesh_data(Arc::new(mesh));
+        let materials: Result<_, _> =
+            read.materials.iter().map(|material| self.material(*material)).collect();
+        let entry = (key, materials?, stated_switches(&self.document.root.meshes[index]));
+        self.meshes.insert(index, entry.clone());
+        Ok(entry)
+    }
+
+    fn material(&mut self, index: Option<usize>) -> Result<MaterialKey, GltfError> {
+        if let Some(key) = self.materials.get(&index) {
+            return Ok(*key);
+        }
+        let root = &self.document.root;
+        let mut images = Images {
+            root,
+            buffers: self.accessors.buffers,
+            base_dir: self.base_dir,
+            scene: &mut self.scene,
+            budget: &mut self.budget,
+            warnings: &mut self.warnings,
+            loaded: std::mem::take(&mut self.images),
+        };
+        let material = match index {
+            Some(index) => materials::read(root, index, &mut images)?,
+            None => materials::gltf_default(),
+        };
+        self.images = images.loaded;
+        let key = self.scene.add_material(material);
+        self.materials.insert(index, key);
+        Ok(key)
+    }
+}
+
+/// The shadow flags in a mesh's `extras`, or those that any of its primitives states by extension.
+fn stated_switches(mesh: &gltf::json::Mesh) -> Switches {
+    let extras: Option<Value> =
+        mesh.extras.as_ref().and_then(|extras| serde_json::from_str(extras.get()).ok());
+    let of = |value: Option<&Value>| value.and_then(Value::as_object).map(Switches::of).unwrap_or_default();
+    let primitives = mesh.primitives.iter().map(|primitive| {
+        let others = primitive.extensions.as_ref().map(|extensions| &extensions.others);
+        of(others.and_then(|others| others.get(super::fields::LIGHTS_SHADOWS)))
+    });
+    primitives.fold(of(extras.as_ref()), Switches::or)
+}
+
+fn items<'v>(kind: &'static str, values: &'v [Value]) -> Result<Vec<Item<'v>>, GltfError> {
+    values.iter().enumerate().map(|(index, value)| Item::new(kind, index, value)).collect()
+}
+
+/// A node's transform, from its matrix or its translation, rotation and scale.
+fn transform(node: &Item<'_>) -> Result<DAffine3, GltfError> {
+    let wrong = |problem: &str| GltfError::Transform { node: node.label(), problem: problem.into() };
+    let translation = node.numbers("translation")?;
+    let rotation = node.numbers("rotation")?;
+    let scale = node.numbers("scale")?;
+    if let Some(matrix) = node.numbers::<16>("matrix")? {
+        if translation.is_some() || rotation.is_some() || scale.is_some() {
+            return Err(wrong("is given twice (a matrix, or translation, rotation and scale, are accepted)"));
+        }
+        if [matrix[3], matrix[7], matrix[11], matrix[15] - 1.0].iter().any(|x| x.abs() > 1e-6) {
+            return Err(wrong("is not affine (the matrix's last row must be 0 0 0 1)"));
+        }
+        return Ok(DAffine3::from_mat4(DMat4::from_cols_array(&matrix)));
+    }
+    let rotation = DQuat::from_array(rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
+    let length = rotation.length();
+    if !(length > 0.0 && length.is_finite()) {
+        return Err(wrong("has a rotation without direction (a unit quaternion is needed)"));
+    }
+    let scale = scale.map_or(DVec3::ONE, DVec3::from);
+    let translation = translation.map_or(DVec3::ZERO, DVec3::from);
+    Ok(placed(translation, rotation.normalize(), scale))
+}

@@ -1,0 +1,119 @@
+//! Writing meshes: the binary chunk, its views and accessors.
+
+use glam::{Vec2, Vec3, Vec4};
+use serde_json::{Value, json};
+
+use super::GltfError;
+use crate::geometry::{Mesh, Part};
+
+const FLOAT: u32 = 5126;
+const UNSIGNED_INT: u32 = 5125;
+const ARRAY_BUFFER: u32 = 34962;
+const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+const POINTS: u32 = 0;
+
+/// The binary chunk while it grows, with the views and accessors into it.
+#[derive(Debug, Default)]
+pub(super) struct Binary {
+    pub(super) bytes: Vec<u8>,
+    pub(super) views: Vec<Value>,
+    pub(super) accessors: Vec<Value>,
+}
+
+/// The accessors of one engine mesh, shared by the primitives of every glTF mesh made from it.
+#[derive(Clone, Debug)]
+pub(super) struct WrittenMesh {
+    attributes: Value,
+    /// One index accessor for each part; parts without triangles have none.
+    indices: Vec<Option<usize>>,
+}
+
+impl Binary {
+    /// Appends bytes as a view of their own, aligned to 4, and returns its index.
+    pub(super) fn add_view(&mut self, bytes: impl IntoIterator<Item = u8>, target: Option<u32>) -> usize {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        let start = self.bytes.len();
+        self.bytes.extend(bytes);
+        let mut view = json!({ "buffer": 0, "byteOffset": start, "byteLength": self.bytes.len() - start });
+        if let Some(target) = target {
+            view["target"] = target.into();
+        }
+        self.views.push(view);
+        self.views.len() - 1
+    }
+
+    /// Appends a vertex stream and returns its accessor.
+    fn add_stream<const N: usize>(&mut self, kind: &str, values: impl Iterator<Item = [f32; N]>) -> usize {
+        let view = self.add_view(values.flatten().flat_map(f32::to_le_bytes), Some(ARRAY_BUFFER));
+        let count = self.views[view]["byteLength"].as_u64().unwrap_or(0) / (4 * N as u64);
+        self.accessors
+            .push(json!({ "bufferView": view, "componentType": FLOAT, "count": count, "type": kind }));
+        self.accessors.len() - 1
+    }
+
+    /// Appends a mesh's streams and indices.
+    pub(super) fn add_mesh(&mut self, mesh: &Mesh) -> WrittenMesh {
+        let data = mesh.data();
+        if data.indices.is_empty() {
+            // glTF has no mesh without vertices; a lone point has no surface either.
+            let position = self.add_stream("VEC3", [[0.0; 3]].into_iter());
+            self.accessors[position]["min"] = json!([0.0, 0.0, 0.0]);
+            self.accessors[position]["max"] = json!([0.0, 0.0, 0.0]);
+            return WrittenMesh { attributes: json!({ "POSITION": position }), indices: Vec::new() };
+        }
+        let position = self.add_stream("VEC3", data.positions.iter().map(Vec3::to_array));
+        let start = data.positions[0];
+        let min = data.positions.iter().fold(start, |min, p| min.min(*p));
+        let max = data.positions.iter().fold(start, |max, p| max.max(*p));
+        self.accessors[position]["min"] = json!(min.to_array());
+        self.accessors[position]["max"] = json!(max.to_array());
+        let normal = self.add_stream("VEC3", data.normals.iter().map(Vec3::to_array));
+        let mut attributes = json!({ "POSITION": position, "NORMAL": normal });
+        if !data.uvs.is_empty() {
+            attributes["TEXCOORD_0"] = self.add_stream("VEC2", data.uvs.iter().map(Vec2::to_array)).into();
+        }
+        if !data.colors.is_empty() {
+            attributes["COLOR_0"] = self.add_stream("VEC4", data.colors.iter().map(Vec4::to_array)).into();
+        }
+        let bytes = data.indices.iter().flat_map(|index| index.to_le_bytes());
+        let view = self.add_view(bytes, Some(ELEMENT_ARRAY_BUFFER));
+        let indices = data.parts.iter().map(|part| self.add_indices(view, part)).collect();
+        WrittenMesh { attributes, indices }
+    }
+
+    fn add_indices(&mut self, view: usize, part: &Part) -> Option<usize> {
+        let (start, count) = (part.triangles.start as usize, part.triangles.len());
+        if count == 0 {
+            return None;
+        }
+        self.accessors.push(json!({
+            "bufferView": view, "byteOffset": start * 12, "componentType": UNSIGNED_INT, "count": count * 3,
+            "type": "SCALAR",
+        }));
+        Some(self.accessors.len() - 1)
+    }
+
+    /// Checks that the chunk fits its 32-bit length.
+    pub(super) fn check_size(&self) -> Result<(), GltfError> {
+        if self.bytes.len() <= u32::MAX as usize / 2 {
+            return Ok(());
+        }
+        let problem = format!("are {} bytes; a .glb of this project takes 2 GiB", self.bytes.len());
+        Err(GltfError::Save { what: "its meshes and images".into(), problem })
+    }
+}
+
+impl WrittenMesh {
+    /// The glTF mesh in these materials, one for each part.
+    pub(super) fn in_materials(&self, name: &str, materials: &[usize]) -> Value {
+        let primitive = |indices: Option<usize>, material: &usize| {
+            Some(json!({ "attributes": self.attributes, "indices": indices?, "material": material }))
+        };
+        let mut primitives: Vec<Value> =
+            self.indices.iter().zip(materials).filter_map(|(i, material)| primitive(*i, material)).collect();
+        if primitives.is_empty() {
+            primitives.push(json!({ "attributes": self.attributes, "mode": POINTS }));
+        }
+        json!({ "name": name, "primitives": primitives })
+    }
+}

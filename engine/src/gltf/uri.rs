@@ -1,0 +1,147 @@
+//! Where the bytes of buffers and images come from: data URIs and files next to the glTF file.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Component, Path, PathBuf};
+
+use super::GltfError;
+use super::limits::Budget;
+
+/// The bytes behind `uri`, which `item` ("buffer 2") asks for.
+pub(super) fn read(
+    item: &str,
+    uri: &str,
+    base_dir: Option<&Path>,
+    budget: &mut Budget,
+) -> Result<Vec<u8>, GltfError> {
+    let wrong =
+        |problem: &str| GltfError::Uri { item: item.into(), uri: shortened(uri), problem: problem.into() };
+    if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
+        let (header, data) = uri[5..].split_once(',').ok_or_else(|| wrong("has no comma before its data"))?;
+        budget.charge_bytes(data.len() as u64)?;
+        return if header.to_ascii_lowercase().ends_with(";base64") {
+            decode_base64(data.as_bytes()).ok_or_else(|| wrong("is not valid base64"))
+        } else {
+            decode_percent(data).ok_or_else(|| wrong("has a '%' without two hexadecimal digits"))
+        };
+    }
+    let first_segment = uri.split(['/', '?', '#']).next().unwrap_or_default();
+    if first_segment.contains(':') || uri.starts_with(['/', '\\']) {
+        return Err(wrong("is absolute"));
+    }
+    let path = decode_percent(uri).and_then(|bytes| String::from_utf8(bytes).ok());
+    let path = path.ok_or_else(|| wrong("is no percent-encoded UTF-8"))?;
+    let absolute = |part| matches!(part, Component::Prefix(_) | Component::RootDir);
+    if path.is_empty() || path.contains('\0') || Path::new(&path).components().any(absolute) {
+        return Err(wrong("is no relative path"));
+    }
+    let base_dir = base_dir.ok_or_else(|| wrong("names a file, but no base directory was given"))?;
+    read_file(&base_dir.join(path), budget)
+}
+
+/// Reads a regular file, and no more of it than the budget allows.
+///
+/// Devices and pipes are refused before they are opened: a path in a file from elsewhere may name them, and
+/// reading them may never end.
+pub(super) fn read_file(path: &Path, budget: &mut Budget) -> Result<Vec<u8>, GltfError> {
+    let shown = || path.display().to_string();
+    let io = |source| GltfError::Io { path: shown(), source };
+    let metadata = std::fs::metadata(path).map_err(io)?;
+    if !metadata.is_file() {
+        return Err(GltfError::NotAFile { path: shown() });
+    }
+    budget.charge_bytes(metadata.len())?;
+    let mut bytes = Vec::new();
+    File::open(path).and_then(|file| file.take(metadata.len()).read_to_end(&mut bytes)).map_err(io)?;
+    Ok(bytes)
+}
+
+/// The directory that a file's relative paths start from.
+pub(super) fn base_dir(path: &Path) -> PathBuf {
+    path.parent().map_or_else(PathBuf::new, Path::to_path_buf)
+}
+
+/// The start of a URI, for messages.
+fn shortened(uri: &str) -> String {
+    let mut text: String = uri.chars().take(60).collect();
+    if text.len() < uri.len() {
+        text.push('…');
+    }
+    text
+}
+
+fn decode_percent(text: &str) -> Option<Vec<u8>> {
+    let digit = |byte: u8| char::from(byte).to_digit(16).map(|digit| digit as u8);
+    let mut bytes = text.bytes();
+    let mut decoded = Vec::with_capacity(text.len());
+    while let Some(byte) = bytes.next() {
+        decoded.push(match byte {
+            b'%' => digit(bytes.next()?)? << 4 | digit(bytes.next()?)?,
+            byte => byte,
+        });
+    }
+    Some(decoded)
+}
+
+/// Standard base64, strict but for the padding, which may be missing.
+fn decode_base64(text: &[u8]) -> Option<Vec<u8>> {
+    let padding = text.iter().rev().take(2).take_while(|byte| **byte == b'=').count();
+    if padding > 0 && !text.len().is_multiple_of(4) {
+        return None;
+    }
+    let text = &text[..text.len() - padding];
+    if text.len() % 4 == 1 {
+        return None;
+    }
+    let mut decoded = Vec::with_capacity(text.len() / 4 * 3 + 2);
+    for group in text.chunks(4) {
+        let mut bits = 0_u32;
+        for &byte in group {
+            let six = match byte {
+                b'A'..=b'Z' => byte - b'A',
+                b'a'..=b'z' => byte - b'a' + 26,
+                b'0'..=b'9' => byte - b'0' + 52,
+                b'+' => 62,
+                b'/' => 63,
+                _ => return None,
+            };
+            bits = bits << 6 | u32::from(six);
+        }
+        bits <<= 6 * (4 - group.len());
+        let [_, a, b, c] = bits.to_be_bytes();
+        decoded.extend_from_slice(&[a, b, c][..group.len() - 1]);
+    }
+    Some(decoded)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_is_strict() {
+        assert_eq!(decode_base64(b"aGVsbG8=").unwrap(), b"hello");
+        assert_eq!(decode_base64(b"aGVsbG8").unwrap(), b"hello");
+        assert_eq!(decode_base64(b"").unwrap(), b"");
+        for bad in ["a", "aGVsbG8 ", "aGVs=bG8", "aGVsb===", "=", "a=="] {
+            assert_eq!(decode_base64(bad.as_bytes()), None, "{bad}");
+        }
+    }
+
+    #[test]
+    fn percent_escapes_decode() {
+        assert_eq!(decode_percent("a%20b%C3%A9").unwrap(), "a bé".as_bytes());
+        assert_eq!(decode_percent("%2"), None);
+        assert_eq!(decode_percent("%zz"), None);
+    }
+
+    #[test]
+    fn urls_and_absolute_paths_are_refused() {
+        for bad in
+            ["http://x/y.bin", "file:///etc/passwd", "/etc/passwd", "\\\\host\\x", "C:\\x.bin", "", "%2Fx"]
+        {
+            let error = read("buffer 0", bad, Some(Path::new(".")), &mut Budget::default()).unwrap_err();
+            assert!(matches!(error, GltfError::Uri { .. }), "{bad}: {error}");
+        }
+    }
+}
