@@ -1,3 +1,4 @@
 //! placeholder
 
 pub mod cases;
+pub mod demo;
