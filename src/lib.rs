@@ -1,2 +1,46 @@
-//! placeholder
+//! Shadowgraph: a small scene-graph engine in which every shadow is a node you plug in, and every node tells you how
+//! fast and how wrong it is.
+//!
+//! This crate is the facade: the engine, the techniques, and what measures them. See [`prelude`] for the names a
+//! program needs.
+//!
+//! ```no_run
+//! use shadowgraph::prelude::*;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let mut scene = Scene::new();
+//! let body = Mesh::new(shapes::cuboid(Vec3::splat(-0.5), Vec3::splat(0.5)))?;
+//! scene.add_mesh(body, Material::default(), DAffine3::from_translation(DVec3::Y));
+//! scene.add_light(Light::point("lamp", 40.0), DVec3::new(2.0, 5.0, 1.0), DVec3::ZERO);
+//! scene.add_shadow("shadows", ShadowVolumeHard::default());
+//!
+//! let camera = Camera::perspective("eye", 0.8);
+//! let camera = PosedCamera::looking(camera, DVec3::new(4.0, 3.0, 5.0), DVec3::ZERO);
+//! let mut renderer = Renderer::new(Gpu::open(&AdapterChoice::Auto)?, shadowgraph_nodes::catalog());
+//! let frame = renderer.render(&scene, &FrameRequest::new(camera, [640, 480]), &RenderOptions::default())?;
+//! println!("{}", frame.plan);
+//! # Ok(())
+//! # }
+//! ```
+
+pub mod cases;
+pub mod demo;
 pub mod measure;
+
+pub use shadowgraph_engine as engine;
+pub use shadowgraph_nodes as nodes;
+pub use shadowgraph_shaders as shaders;
+
+/// What most programs need.
+pub mod prelude {
+    pub use glam::{DAffine3, DQuat, DVec3, Vec3};
+    pub use shadowgraph_engine::geometry::{Mesh, MeshData, shapes};
+    pub use shadowgraph_engine::gpu::{AdapterChoice, Gpu, Timing};
+    pub use shadowgraph_engine::manager::{
+        Exposure, FrameRequest, PictureFormat, RenderError, RenderOptions, Renderer,
+    };
+    pub use shadowgraph_engine::scene::{
+        Camera, Content, Light, Material, MeshNode, PosedCamera, Scene, Scope, ShadowNode,
+    };
+    pub use shadowgraph_nodes::{self, DepthTest, Extrusion, GeometryMode, ShadowVolumeHard};
+}

@@ -8,12 +8,14 @@
 
 mod bvh;
 mod distance;
+mod evaluate;
 mod metrics;
 pub mod pictures;
 mod reference;
 mod render;
 mod surface;
 
+pub use evaluate::{EvaluateError, Evaluation, evaluate, measured, queries};
 pub use metrics::{
     BAND_FLOOR_PIXELS, BAND_PIXELS_PER_BOUNDARY_PIXEL, CompareError, ErrorTable, LightError,
     MAX_DIFFERENT_SHARE, Measured, compare, expect_shadow,

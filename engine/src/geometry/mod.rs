@@ -5,6 +5,7 @@ mod chain;
 mod components;
 mod layers;
 mod mesh;
+pub mod shapes;
 mod topology;
 
 pub use chain::{Chain, facing_signs, restricted_signs};

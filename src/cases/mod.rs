@@ -1,0 +1,102 @@
+//! The hard cases: the small scenes on which shadow techniques have always broken, each with its right answer.
+//!
+//! [`all`] lists every case; a [`CaseEntry`] is cheap, and [`CaseEntry::build`] makes its scenes. One id may have
+//! several variants (both facings of a quad, several lights' positions, a shift by node or baked into the vertices).
+//!
+//! Every scene carries one shadow node, `ShadowVolumeHard` with default options over all lights and meshes, and a
+//! camera placed so that the failure would be *seen*. What is right is said twice: [`Expect`] for the frame as a
+//! whole, and [`Probe`]s, single surface points whose light or darkness was worked out by hand. The probes keep the
+//! reference honest too, since nothing in them was computed by it.
+//!
+//! Floors cast like everything else: a technique that cannot bear an open quad under every scene should not pass.
+
+mod counts;
+mod eyes;
+mod lights;
+mod many;
+mod repairs;
+mod stage;
+mod table;
+mod topology;
+mod transforms;
+
+use shadowgraph_engine::scene::{PosedCamera, Scene};
+use stage::Stage;
+
+pub use table::all;
+
+/// What a technique that claims a case must produce.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Expect {
+    /// The reference's factor, and at least one visible pixel is dark and one lit for every light.
+    Shadow,
+    /// The reference's factor, and no visible pixel is dark.
+    NoShadow,
+    /// The reference's factor, whatever it is.
+    Matches,
+    /// A typed error, never a picture.
+    Refused {
+        /// What the technique cannot do.
+        why: &'static str,
+    },
+}
+
+/// A visible surface point whose factor is known without a reference.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Probe {
+    /// The point, on an opaque surface that the camera sees, well inside its shadow or light.
+    pub p_in_world: glam::DVec3,
+    /// The light's name.
+    pub light: String,
+    /// Whether the light reaches it.
+    pub lit: bool,
+}
+
+/// One scene of a hard case.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// The case's id.
+    pub id: &'static str,
+    /// Which of the case's scenes this is; empty when there is only one.
+    pub variant: String,
+    /// What breaks in techniques that get it wrong.
+    pub what_breaks: &'static str,
+    /// The scene, with its shadow node.
+    pub scene: Scene,
+    /// The camera that sees the problem.
+    pub camera: PosedCamera,
+    /// The frame's size.
+    pub size_px: [u32; 2],
+    /// What is right for the whole frame.
+    pub expect: Expect,
+    /// What is right at single points.
+    pub probes: Vec<Probe>,
+}
+
+impl Case {
+    /// The id and the variant: a name no other case has.
+    pub fn name(&self) -> String {
+        if self.variant.is_empty() { self.id.into() } else { format!("{}/{}", self.id, self.variant) }
+    }
+}
+
+/// A row of the table.
+#[derive(Clone, Debug)]
+pub struct CaseEntry {
+    /// The id, as listed in the documentation.
+    pub id: &'static str,
+    /// What breaks.
+    pub what_breaks: &'static str,
+    /// What the exact reference says.
+    pub right_answer: &'static str,
+    /// What must exist before the case can be built; empty for cases that build.
+    pub needs: &'static str,
+    stages: fn() -> Vec<Stage>,
+}
+
+impl CaseEntry {
+    /// Makes the case's scenes; none while [`CaseEntry::needs`] is not met.
+    pub fn build(&self) -> Vec<Case> {
+        (self.stages)().into_iter().map(|stage| stage.into_case(self.id, self.what_breaks)).collect()
+    }
+}

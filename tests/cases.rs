@@ -1,0 +1,316 @@
+//! The table of hard cases is complete, and every scene of it shows what it is about.
+//!
+//! A small tracer of its own (all triangles, no tree, no code shared with the reference) checks that the camera sees
+//! every probe, that the probes' hand-made answers are right, and that frames which must show a shadow do.
+
+use glam::DVec3;
+use shadowgraph::cases::{self, Case, Expect};
+use shadowgraph_engine::math::{Aabb, facing_sign};
+use shadowgraph_engine::scene::{Posed, PosedCamera, PosedLight};
+
+/// Every id of the documentation.
+const IDS: &[&str] = &[
+    "light-in-plane",
+    "light-on-edge",
+    "light-on-vertex",
+    "light-in-closed",
+    "light-in-open-box",
+    "eye-in-shadow",
+    "near-clips-side",
+    "near-clips-corner",
+    "eye-in-cap-plane",
+    "light-in-near-plane",
+    "light-behind-eye",
+    "light-at-eye",
+    "sliver",
+    "zero-area",
+    "duplicate-vertex",
+    "duplicate-face",
+    "opposite-duplicate",
+    "t-junction",
+    "fins",
+    "two-cubes-one-edge",
+    "inconsistent-winding",
+    "moebius",
+    "single-quad",
+    "open-cylinder",
+    "material-split",
+    "uv-seam",
+    "closed-inside-out",
+    "closed-open-mixed",
+    "casters-around-light",
+    "alpha-mask",
+    "terminator",
+    "nested-shells",
+    "coplanar-receiver",
+    "touching-receiver",
+    "offset-1e4",
+    "offset-1e5",
+    "offset-1e6",
+    "scale-1e-4",
+    "scale-1e4",
+    "mirrored",
+    "non-uniform",
+    "sheared",
+    "singular",
+    "overlap-256",
+    "overlap-512",
+    "overlap-open-128",
+    "overlap-2049",
+    "overlap-4096",
+    "overlap-seen-through",
+    "count-figure",
+    "directional-parallel",
+    "low-sun",
+    "directional-offscreen",
+    "offscreen-caster",
+    "light-crosses-frustum",
+    "index-65536",
+    "skinned-extreme",
+    "morph",
+    "instanced-1000",
+    "animated",
+    "alpha-0",
+    "alpha-1",
+    "channel-0",
+    "glass-order",
+    "glass-deep",
+    "tinted-bottle",
+    "stained-glass",
+    "glass-self",
+    "panes-intersecting",
+    "opaque-behind-glass",
+    "radius-0",
+    "receiver-inside-light",
+    "light-touches-caster",
+    "caster-in-light",
+    "edge-at-centre",
+    "edge-through-centre",
+    "penumbra-overlap",
+    "tripod",
+    "penumbra-width",
+    "planar-behind",
+    "planar-crossing",
+    "planar-below",
+    "planar-overhang",
+    "planar-overlap",
+    "map-acne",
+    "map-peter-panning",
+    "map-cube-seam",
+    "map-grazing",
+    "msaa",
+    "lights-1",
+    "lights-4",
+    "lights-16",
+    "lights-64",
+    "sky",
+    "ortho-camera",
+    "resize",
+    "1x1",
+    "4096",
+];
+
+/// A posed scene as bare triangles, one box for each instance.
+struct Soup {
+    instances: Vec<(Aabb, Vec<[DVec3; 3]>)>,
+}
+
+impl Soup {
+    fn new(posed: &Posed) -> Self {
+        let of = |i: &shadowgraph_engine::scene::Instance| {
+            let triangles = (0..i.mesh.triangle_count()).map(|t| i.world_triangle(t)).collect();
+            (i.world_bounds.expanded(i.world_bounds.radius() * 1e-9), triangles)
+        };
+        Self { instances: posed.instances.iter().map(of).collect() }
+    }
+
+    /// The nearest hit along origin + t·direction with t between the limits, and the triangle's corners.
+    fn hit(&self, origin: DVec3, direction: DVec3, limits: [f64; 2]) -> Option<(f64, [DVec3; 3])> {
+        let mut best: Option<(f64, [DVec3; 3])> = None;
+        for (bounds, triangles) in &self.instances {
+            if !bounds.intersects_ray(origin, direction, limits[1]) {
+                continue;
+            }
+            for [a, b, c] in triangles {
+                let (ab, ac) = (*b - *a, *c - *a);
+                let normal = ab.cross(ac);
+                let det = -direction.dot(normal);
+                let from_a = origin - *a;
+                let t = from_a.dot(normal) / det;
+                let moment = from_a.cross(direction);
+                let (u, v) = (ac.dot(moment) / det, -ab.dot(moment) / det);
+                // Where det is 0 these are NaN or infinite, and every comparison below says no.
+                if u >= 0.0
+                    && v >= 0.0
+                    && u + v <= 1.0
+                    && t > limits[0]
+                    && t < best.map_or(limits[1], |b| b.0)
+                {
+                    best = Some((t, [*a, *b, *c]));
+                }
+            }
+        }
+        best
+    }
+
+    /// Whether the light reaches `point` on `surface`, seen from `eye_side`; `None` outside the light's reach.
+    fn lit(&self, light: &PosedLight, point: DVec3, surface: [DVec3; 3], to_eye: DVec3) -> Option<bool> {
+        if !light.reaches(point) {
+            return None;
+        }
+        let [a, b, c] = surface;
+        let eye_sign = facing_sign(a, b, c, to_eye.extend(0.0));
+        if facing_sign(a, b, c, light.position) * eye_sign <= 0 {
+            return Some(false);
+        }
+        let to_light = light.position.truncate() - point * light.position.w;
+        let end = if light.position.w == 0.0 { f64::INFINITY } else { 1.0 - 1e-9 };
+        let start = if light.position.w == 0.0 { 1e-7 * (1.0 + point.length()) } else { 1e-7 };
+        Some(self.hit(point, to_light, [start, end]).is_none())
+    }
+}
+
+fn primary_ray(camera: &PosedCamera, size_px: [u32; 2], ndc: [f64; 2]) -> (DVec3, DVec3) {
+    let aspect = f64::from(size_px[0]) / f64::from(size_px[1]);
+    let (origin, direction) = camera.projection.view_ray(ndc[0], ndc[1], aspect);
+    (camera.world_from_view.transform_point3(origin), camera.world_from_view.transform_vector3(direction))
+}
+
+/// Normalised device coordinates of a point; `None` before the near plane.
+fn project(camera: &PosedCamera, size_px: [u32; 2], point: DVec3) -> Option<[f64; 2]> {
+    let aspect = f64::from(size_px[0]) / f64::from(size_px[1]);
+    let clip = camera.projection.clip_from_view(aspect)
+        * camera.world_from_view.inverse().transform_point3(point).extend(1.0);
+    (clip.w > 0.0 && clip.z <= clip.w).then(|| [clip.x / clip.w, clip.y / clip.w])
+}
+
+/// Dark and lit samples for each light over a coarse grid of the frame.
+fn count_samples(case: &Case, posed: &Posed, soup: &Soup) -> Vec<[usize; 2]> {
+    let triangles: usize = soup.instances.iter().map(|(_, t)| t.len()).sum();
+    let side = if triangles > 20_000 { 12 } else { 40 };
+    let mut counts = vec![[0; 2]; posed.lights.len()];
+    for i in 0..side * side {
+        let to_ndc = |k: usize| (k as f64 + 0.5) / side as f64 * 2.0 - 1.0;
+        let (origin, direction) =
+            primary_ray(&case.camera, case.size_px, [to_ndc(i % side), to_ndc(i / side)]);
+        let Some((t, surface)) =
+            soup.hit(origin, direction, [case.camera.projection.near_m(), case.camera.projection.far_m()])
+        else {
+            continue;
+        };
+        for (light, count) in posed.lights.iter().zip(&mut counts) {
+            if let Some(lit) = soup.lit(light, origin + direction * t, surface, -direction) {
+                count[usize::from(lit)] += 1;
+            }
+        }
+    }
+    counts
+}
+
+fn check(case: &Case) -> Vec<String> {
+    let mut wrong = Vec::new();
+    let posed = case.scene.pose().expect("every case poses");
+    assert!(!posed.lights.is_empty(), "{}: no light", case.name());
+    assert_eq!(posed.shadow_nodes.len(), 1, "{}: one shadow node", case.name());
+    assert_eq!(posed.shadow_nodes[0].shadow.technique, "ShadowVolumeHard");
+    assert!(case.camera.projection.is_valid(), "{}", case.name());
+    let frustum = case.camera.frustum(case.size_px);
+    let seen = posed.instances.iter().any(|i| frustum.may_see(&i.world_bounds));
+    assert!(seen || case.name() == "sky/empty", "{}: the camera sees nothing", case.name());
+
+    let soup = Soup::new(&posed);
+    for probe in &case.probes {
+        let point = probe.p_in_world;
+        let light = posed.lights.iter().find(|l| l.name == probe.light).expect("the probe's light exists");
+        let Some(ndc) =
+            project(&case.camera, case.size_px, point).filter(|n| n.iter().all(|c| c.abs() < 1.0))
+        else {
+            wrong.push(format!("{}: {point} is outside the frame", case.name()));
+            continue;
+        };
+        let (origin, direction) = primary_ray(&case.camera, case.size_px, ndc);
+        let hit = soup.hit(origin, direction, [case.camera.projection.near_m(), f64::INFINITY]);
+        let distance = (point - origin).length();
+        match hit {
+            Some((t, surface)) if (origin + direction * t - point).length() < 1e-4 * distance => {
+                if soup.lit(light, point, surface, -direction) != Some(probe.lit) {
+                    wrong.push(format!("{}: {point} should be lit = {}", case.name(), probe.lit));
+                }
+            }
+            Some((t, _)) => {
+                wrong.push(format!("{}: {point} hidden by {}", case.name(), origin + direction * t));
+            }
+            None => wrong.push(format!("{}: {point} is on no surface", case.name())),
+        }
+    }
+    for (light, [dark, lit]) in posed.lights.iter().zip(count_samples(case, &posed, &soup)) {
+        let fits = match case.expect {
+            Expect::Shadow => dark > 0 && lit > 0,
+            Expect::NoShadow => dark == 0,
+            Expect::Matches | Expect::Refused { .. } => true,
+        };
+        if !fits {
+            wrong.push(format!("{}: {} has {dark} dark and {lit} lit samples", case.name(), light.name));
+        }
+    }
+    wrong
+}
+
+#[test]
+fn the_table_lists_every_id_once() {
+    let listed: Vec<_> = cases::all().iter().map(|entry| entry.id).collect();
+    assert_eq!(listed, IDS);
+    let unique: std::collections::HashSet<_> = listed.iter().collect();
+    assert_eq!(unique.len(), IDS.len());
+}
+
+#[test]
+fn every_row_says_what_it_needs_or_builds() {
+    for entry in cases::all() {
+        assert!(!entry.what_breaks.is_empty() && !entry.right_answer.is_empty(), "{}", entry.id);
+        assert_eq!(entry.build().is_empty(), !entry.needs.is_empty(), "{}", entry.id);
+    }
+}
+
+#[test]
+fn variants_have_names_of_their_own() {
+    let mut taken = std::collections::HashSet::new();
+    for case in cases::all().iter().flat_map(|entry| entry.build()) {
+        assert!(taken.insert(case.name()), "{} is there twice", case.name());
+    }
+}
+
+#[test]
+fn every_scene_shows_what_it_is_about() {
+    let wrong: Vec<_> =
+        cases::all().iter().flat_map(|entry| entry.build()).flat_map(|case| check(&case)).collect();
+    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// How many of the near rectangle's corners lie in the shadow of the first light.
+fn dark_near_corners(case: &Case) -> usize {
+    let posed = case.scene.pose().expect("every case poses");
+    let soup = Soup::new(&posed);
+    let light = posed.lights[0].position.truncate();
+    let corners = case.camera.frustum(case.size_px).near_corners;
+    corners.iter().filter(|corner| soup.hit(**corner, light - **corner, [0.0, 1.0]).is_some()).count()
+}
+
+#[test]
+fn near_rectangles_are_cut_where_their_cases_say() {
+    for case in cases::all().iter().flat_map(|entry| entry.build()) {
+        let expected = match (case.id, case.variant.as_str()) {
+            ("near-clips-side", _) => 2..=2,
+            ("near-clips-corner", variant) if !variant.ends_with("edge") => 1..=1,
+            ("near-clips-corner", _) => 1..=3,
+            ("eye-in-shadow", _) => 4..=4,
+            _ => continue,
+        };
+        assert!(
+            expected.contains(&dark_near_corners(&case)),
+            "{}: {}",
+            case.name(),
+            dark_near_corners(&case)
+        );
+    }
+}
