@@ -65,15 +65,15 @@ pub(super) fn columns() -> Scene {
     }
     let beam = slab([-6.8, 4.14, -2.45], [6.8, 4.6, -1.55]);
     set.put(temple, "architrave", beam, stone, stand(0.0, 0.0, 0.0, 0.0));
-    let broken = set.shape(column(3.6).without_triangles(|_| false));
+
     let stump = set.shape(shaft(0.3, 0.9).named("stump"));
     set.place(temple, "stump", stump, stone, stand(-2.1, 0.54, 0.3, 0.0));
     let fallen = placed(
-        DVec3::new(2.6, 0.42, 4.2),
-        DQuat::from_rotation_y(0.5) * DQuat::from_rotation_z(1.5708),
+        DVec3::new(5.4, 0.4, 3.3),
+        DQuat::from_rotation_y(-0.2) * DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2),
         DVec3::ONE,
     );
-    set.place(temple, "fallen column", broken, stone, fallen);
+    set.place(temple, "fallen column", pillar, stone, fallen);
 
     // Open casters: banners between columns, and bowls on tripods.
     let banner = sheet(10, 12, |u, v| {
@@ -92,19 +92,20 @@ pub(super) fn columns() -> Scene {
     };
     let tripod = [lathe(&bowl.map(Vec2::from), 32), leg(0.0), leg(2.094), leg(4.189)];
     let tripod = set.shape(MeshData::merged("tripod", tripod));
-    for (x, z) in [(-0.9, 3.2), (-4.4, 3.0)] {
+    for (x, z) in [(0.6, 2.6), (-4.4, 2.8)] {
         set.place(temple, "tripod", tripod, bronze, stand(x, 0.0, z, 20.0));
     }
 
     let sun = Light::directional("sun", 4.0).with_color(Vec3::new(1.0, 0.74, 0.45));
-    set.scene.add_light(sun, DVec3::ZERO, DVec3::new(-0.86, -0.27, 0.42));
+    set.scene.add_light(sun, DVec3::ZERO, DVec3::new(-0.88, -0.25, 0.26));
     let sky = Light::directional("sky", 0.35).with_color(Vec3::new(0.45, 0.62, 1.0));
-    set.scene.add_light(sky, DVec3::ZERO, DVec3::new(0.3, -1.0, -0.45));
-    set.scene.set_background(Vec3::new(0.32, 0.42, 0.55));
+    set.scene.add_light(sky, DVec3::ZERO, DVec3::new(0.4, -1.0, -0.6));
+    set.scene.set_background(Vec3::new(0.2, 0.33, 0.52));
+    set.scene.set_ambient(Vec3::new(0.075, 0.09, 0.12));
     set.scene.add_camera(
         Camera::perspective("main", 0.7),
-        DVec3::new(-7.4, 2.3, 9.2),
-        DVec3::new(-0.6, 1.55, -0.4),
+        DVec3::new(8.6, 2.5, 8.8),
+        DVec3::new(0.2, 1.35, -0.2),
     );
     set.scene.add_shadow("shadows", ShadowNode::new("ShadowVolumeHard"));
     set.scene

@@ -51,7 +51,7 @@ pub(super) fn foliage(habit: &Habit) -> MeshData {
                 + side * ((u - 0.5) * 0.008)
         });
         let leaf = MeshData::merged("leaf", [blade, petiole]);
-        if i % 2 == 0 { leaf } else { leaf.flipped() }
+        if i.is_multiple_of(2) { leaf } else { leaf.flipped() }
     };
     MeshData::merged("leaves", (0..habit.leaves).map(leaf))
 }

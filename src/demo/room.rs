@@ -8,9 +8,9 @@
 //! Two shadow nodes share the work. `daylight` takes sun and sky and needs the room's shell as a caster; `lamps` takes
 //! the three lights inside and leaves the shell out, since behind the walls there is nothing left to shade.
 
-use glam::{DQuat, DVec3, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
 use shadowgraph_engine::geometry::MeshData;
-use shadowgraph_engine::geometry::shapes::{Ends, cylinder, icosphere, plane, quad};
+use shadowgraph_engine::geometry::shapes::{Ends, cylinder, icosphere, lathe, plane, quad};
 use shadowgraph_engine::scene::{Camera, Content, Light, NodeKey, Scene, ShadowNode, placed};
 
 use super::furniture::{
@@ -19,12 +19,7 @@ use super::furniture::{
 use super::plant::{Habit, potted};
 use super::set::{Set, noise, slab, slabs, stand};
 
-const HOME: [f64; 4] = [0.0; 4];
-
-fn home() -> glam::DAffine3 {
-    let [x, y, z, turn] = HOME;
-    stand(x, y, z, turn)
-}
+const HOME: DAffine3 = DAffine3::IDENTITY;
 
 pub(super) fn room() -> Scene {
     let mut set = Set::new();
@@ -35,8 +30,8 @@ pub(super) fn room() -> Scene {
     dining(&mut set, furniture);
     back_wall(&mut set, furniture);
     corner(&mut set, furniture);
-    let habit = Habit { leaves: 21, length_m: 0.62, width_m: 0.2, height_m: 0.75 };
-    potted(&mut set, furniture, &habit, [0.19, 0.34], [2.25, 0.55]);
+    let habit = Habit { leaves: 21, length_m: 0.5, width_m: 0.18, height_m: 0.72 };
+    potted(&mut set, furniture, &habit, [0.18, 0.32], [2.38, 0.5]);
 
     let scene = &mut set.scene;
     let mut shine = |light: Light, at: DVec3, target: DVec3| {
@@ -45,23 +40,23 @@ pub(super) fn room() -> Scene {
         let _ = scene.reparent(node, Some(lights));
         node
     };
-    let sun = Light::directional("sun", 4.2).with_color(Vec3::new(1.0, 0.83, 0.6));
-    let sun = shine(sun, DVec3::ZERO, DVec3::new(0.75, -0.5, -0.27));
-    let sky = Light::point("sky", 34.0).with_color(Vec3::new(0.5, 0.68, 1.0));
-    let sky = shine(sky, DVec3::new(-6.2, 3.4, 1.2), DVec3::ZERO);
+    let sun = Light::directional("sun", 4.4).with_color(Vec3::new(1.0, 0.83, 0.6));
+    let sun = shine(sun, DVec3::ZERO, DVec3::new(0.75, -0.47, 0.06));
+    let sky = Light::point("sky", 13.0).with_color(Vec3::new(0.5, 0.68, 1.0));
+    let sky = shine(sky, DVec3::new(-3.95, 1.95, -0.1), DVec3::ZERO);
     let lamp = Light::point("lamp", 1.5).with_color(Vec3::new(1.0, 0.66, 0.36));
     let lamp = shine(lamp, DVec3::new(2.35, 1.52, -1.85), DVec3::ZERO);
     let picture = Light::spot("picture spot", 4.5, 0.5).with_color(Vec3::new(1.0, 0.86, 0.68));
     let picture = shine(picture, DVec3::new(0.1, 2.74, -1.2), DVec3::new(0.1, 1.5, -2.5));
-    let leaves = Light::spot("plant spot", 2.6, 0.75).with_color(Vec3::new(1.0, 0.8, 0.55));
-    let leaves = shine(leaves, DVec3::new(1.2, 0.12, 1.05), DVec3::new(2.6, 1.15, 0.4));
+    let leaves = Light::spot("plant spot", 4.0, 0.5).with_color(Vec3::new(1.0, 0.8, 0.55));
+    let leaves = shine(leaves, DVec3::new(0.75, 0.42, 1.25), DVec3::new(2.7, 0.95, 0.35));
 
-    scene.set_ambient(Vec3::new(0.062, 0.064, 0.07));
+    scene.set_ambient(Vec3::new(0.125, 0.122, 0.125));
     scene.set_background(Vec3::new(0.5, 0.62, 0.8));
     scene.add_camera(
-        Camera::perspective("main", 0.8),
-        DVec3::new(0.55, 1.42, 4.25),
-        DVec3::new(-0.12, 1.06, -1.0),
+        Camera::perspective("main", 0.82),
+        DVec3::new(0.5, 1.45, 4.3),
+        DVec3::new(0.0, 1.06, -1.0),
     );
     scene.add_shadow("daylight", ShadowNode::new("ShadowVolumeHard").with_lights([sun, sky]));
     let lamps =
@@ -76,8 +71,8 @@ fn build_shell(set: &mut Set, shell: NodeKey) {
     let white = set.paint("white paint", [0.82, 0.81, 0.78], 0.5);
     let oak_floor = set.picture("oak floor", [768, 512], 0.45, oak_plank);
     let foundation = slab([-3.2, -0.2, -2.7], [3.2, -0.01, 4.7]);
-    set.put(shell, "foundation", foundation, plaster, home());
-    set.put(shell, "floor", plane(glam::Vec2::new(3.0, 3.5)), oak_floor, stand(0.0, 0.0, 1.0, 0.0));
+    set.put(shell, "foundation", foundation, plaster, HOME);
+    set.put(shell, "floor", plane(Vec2::new(3.0, 3.5)), oak_floor, stand(0.0, 0.0, 1.0, 0.0));
     let walls = [
         ("back wall", [-3.2, -0.01, -2.7], [3.2, 2.8, -2.5]),
         ("right wall", [3.0, -0.01, -2.5], [3.2, 2.8, 4.5]),
@@ -85,7 +80,7 @@ fn build_shell(set: &mut Set, shell: NodeKey) {
         ("ceiling", [-3.2, 2.8, -2.7], [3.2, 3.0, 4.7]),
     ];
     for (name, min, max) in walls {
-        set.put(shell, name, slab(min, max), plaster, home());
+        set.put(shell, name, slab(min, max), plaster, HOME);
     }
     let window_wall = [
         ([-3.2, -0.01, -2.5], [-3.0, 0.75, 4.5]),
@@ -93,9 +88,9 @@ fn build_shell(set: &mut Set, shell: NodeKey) {
         ([-3.2, 0.75, -2.5], [-3.0, 2.4, -1.45]),
         ([-3.2, 0.75, 1.15], [-3.0, 2.4, 4.5]),
     ];
-    set.put(shell, "window wall", slabs("", &window_wall), plaster, home());
+    set.put(shell, "window wall", slabs("", &window_wall), plaster, HOME);
     let skirting = [([-2.99, 0.0, -2.499], [2.99, 0.09, -2.48]), ([2.98, 0.0, -2.48], [2.999, 0.09, 4.4])];
-    set.put(shell, "skirting", slabs("", &skirting), white, home());
+    set.put(shell, "skirting", slabs("", &skirting), white, HOME);
 
     // Frame, two mullions and a transom: the bars whose shadows lie across the room.
     let (out, inn) = (-3.13, -3.05);
@@ -110,8 +105,8 @@ fn build_shell(set: &mut Set, shell: NodeKey) {
         bars.push(([out + 0.01, 0.81, z], [inn - 0.01, 1.86, z + 0.05]));
         bars.push(([out + 0.01, 1.91, z], [inn - 0.01, 2.34, z + 0.05]));
     }
-    set.put(shell, "window bars", slabs("", &bars), white, home());
-    set.put(shell, "sill", slab([-3.05, 0.72, -1.55], [-2.84, 0.75, 1.25]), white, home());
+    set.put(shell, "window bars", slabs("", &bars), white, HOME);
+    set.put(shell, "sill", slab([-3.05, 0.72, -1.55], [-2.84, 0.75, 1.25]), white, HOME);
 }
 
 /// Oak planks 12 cm wide along x, in tones that vary by plank, with grain.
@@ -120,22 +115,22 @@ fn oak_plank(x: u32, y: u32) -> [u8; 3] {
     let shifted = x + (noise(row) * 512.0) as u32;
     let tone = 0.8 + 0.3 * noise(row * 31 + shifted / 256);
     let grain = 0.94 + 0.12 * noise(y * 977 + shifted / 24);
-    let joint = if y % 9 == 0 || shifted % 256 < 2 { 0.62 } else { 1.0 };
+    let joint = if y.is_multiple_of(9) || shifted % 256 < 2 { 0.62 } else { 1.0 };
     [176.0, 132.0, 88.0].map(|c: f32| (c * tone * grain * joint).min(255.0) as u8)
 }
 
 /// Table, chairs, rug and what lies on the table.
 fn dining(set: &mut Set, group: NodeKey) {
     let oak = set.paint("oak", [0.42, 0.26, 0.13], 0.5);
-    let dark = set.paint("smoked oak", [0.11, 0.065, 0.04], 0.5);
+    let dark = set.paint("smoked oak", [0.24, 0.13, 0.07], 0.45);
     let rug = set.picture("rug", [96, 64], 0.95, |x, y| {
         let edge = x.min(95 - x).min(y.min(63 - y));
         let zigzag = (x + if (y / 4) % 2 == 0 { y % 4 } else { 4 - y % 4 }) % 12;
         match edge {
-            0..=1 => [205, 192, 168],
-            4 | 5 => [176, 96, 62],
-            _ if edge > 7 && zigzag < 2 => [186, 172, 142],
-            _ => [44, 74, 62],
+            0..=1 => [198, 184, 160],
+            4 | 5 => [168, 98, 70],
+            _ if edge > 7 && zigzag < 2 => [196, 180, 150],
+            _ => [116, 134, 116],
         }
     });
     set.put(group, "rug", slab([-1.6, 0.001, -1.05], [1.6, 0.013, 1.05]), rug, stand(-0.75, 0.0, 0.1, 0.0));
@@ -209,7 +204,7 @@ fn back_wall(set: &mut Set, group: NodeKey) {
         set.put(group, "canvas", quad(corners), art, stand(x, y, -2.499, 0.0));
     }
 
-    let case = set.paint("painted steel", [0.07, 0.1, 0.085], 0.5);
+    let case = set.paint("painted steel", [0.16, 0.21, 0.17], 0.6);
     set.put(group, "bookcase", shelf(0.62, 0.3, 6, 0.34), case, stand(-2.05, 0.05, -2.49, 0.0));
     let tones = [[0.45, 0.14, 0.08], [0.6, 0.52, 0.4], [0.06, 0.14, 0.13]];
     for (tone, color) in tones.into_iter().enumerate() {
@@ -267,8 +262,8 @@ fn corner(set: &mut Set, group: NodeKey) {
     let linen = set.paint("lamp linen", [0.8, 0.72, 0.58], 0.95);
     let oak = set.paint("pale oak", [0.5, 0.34, 0.19], 0.5);
     let chair = set.scene.add(Some(group), "armchair", stand(1.62, 0.0, -1.35, -28.0), Content::Group);
-    set.put(chair, "upholstery", armchair(), velvet, home());
-    set.put(chair, "armchair feet", feet(0.36, 0.3, 0.17), brass, home());
+    set.put(chair, "upholstery", armchair(), velvet, HOME);
+    set.put(chair, "armchair feet", feet(0.36, 0.3, 0.17), brass, HOME);
     let parts = [cylinder(0.15, 0.02, 40, Ends::Closed), cylinder(0.011, 1.62, 12, Ends::Closed)];
     set.put(group, "lamp stand", MeshData::merged("", parts), brass, stand(2.35, 0.0, -1.96, 0.0));
     set.put(group, "lamp shade", shade(0.24, 0.14, 0.3), linen, stand(2.35, 1.38, -1.85, 0.0));
@@ -278,12 +273,6 @@ fn corner(set: &mut Set, group: NodeKey) {
         cylinder(0.13, 0.015, 32, Ends::Closed),
     ];
     set.put(group, "side table", MeshData::merged("", round), oak, stand(2.35, 0.0, -1.15, 0.0));
-    let cup = [[0.0, 0.0], [0.028, 0.0], [0.036, 0.03], [0.038, 0.08]].map(glam::Vec2::from);
-    set.put(
-        group,
-        "cup",
-        shadowgraph_engine::geometry::shapes::lathe(&cup, 32),
-        linen,
-        stand(2.3, 0.49, -1.1, 0.0),
-    );
+    let cup = [[0.0, 0.0], [0.028, 0.0], [0.036, 0.03], [0.038, 0.08]].map(Vec2::from);
+    set.put(group, "cup", lathe(&cup, 32), linen, stand(2.3, 0.49, -1.1, 0.0));
 }
