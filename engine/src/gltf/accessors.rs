@@ -9,7 +9,7 @@ use super::buffers::Buffers;
 use super::limits::Budget;
 
 /// The most elements an accessor may have that has no buffer view, only sparse values: nothing else bounds it.
-const MAX_COUNT_WITHOUT_VIEW: u64 = 1 << 22;
+const MAX_COUNT_WITHOUT_VIEW: u64 = 1 << 20;
 
 /// Reads accessors of one document.
 #[derive(Debug)]

@@ -58,7 +58,7 @@ pub enum GltfError {
     NodeParents { node: usize, first: usize, second: usize },
     #[error("node {node} lies under itself (the nodes must form trees)")]
     NodeCycle { node: usize },
-    #[error("scene {scene} lists node {node}, which {problem} (scenes list each root node once)")]
+    #[error("scene {scene} lists node {node}, which {problem} (each node is accepted once)")]
     NotARoot { scene: usize, node: usize, problem: String },
     #[error("{node}: its transform {problem}")]
     Transform { node: String, problem: String },

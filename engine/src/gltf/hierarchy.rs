@@ -2,6 +2,7 @@
 
 use super::GltfError;
 use super::fields::Item;
+use super::limits::Warnings;
 
 /// Parents and children of every node of the document.
 #[derive(Debug, Default)]
@@ -51,19 +52,38 @@ impl Hierarchy {
         order
     }
 
-    /// Checks the nodes that a scene lists: roots, each once.
-    pub(super) fn check_roots(&self, scene: usize, roots: &[usize]) -> Result<(), GltfError> {
-        let mut listed = vec![false; self.parents.len()];
+    /// Checks the nodes that a scene lists, so that none comes into the scene twice.
+    ///
+    /// They should be roots. Some exporters list a child and leave its parent out; it then stands as a root, with a
+    /// warning.
+    pub(super) fn check_roots(
+        &self,
+        scene: usize,
+        roots: &[usize],
+        warnings: &mut Warnings,
+    ) -> Result<(), GltfError> {
+        let nodes = self.parents.len();
+        let mut listed = vec![false; nodes];
         for &node in roots {
-            let problem = match self.parents[node] {
-                Some(parent) => format!("is a child of node {parent}"),
-                None if listed[node] => "it lists already".into(),
-                None => {
-                    listed[node] = true;
-                    continue;
-                }
-            };
-            return Err(GltfError::NotARoot { scene, node, problem });
+            if std::mem::replace(&mut listed[node], true) {
+                let problem = "it lists already".into();
+                return Err(GltfError::NotARoot { scene, node, problem });
+            }
+        }
+        let mut inside = vec![false; nodes];
+        let all = (0..nodes).filter(|node| self.parents[*node].is_none()).collect();
+        for node in self.preorder(all) {
+            let Some(parent) = self.parents[node] else { continue };
+            inside[node] = inside[parent] || listed[parent];
+            if listed[node] && inside[node] {
+                let problem = "lies under another node that it lists".into();
+                return Err(GltfError::NotARoot { scene, node, problem });
+            }
+            if listed[node] {
+                warnings.add(format!(
+                    "scene {scene} lists node {node} without its parent {parent}, whose transform is left out"
+                ));
+            }
         }
         Ok(())
     }

@@ -136,7 +136,7 @@ impl<'a> Builder<'a> {
         };
         let item = Item::new("scene", index, value)?;
         let roots = item.indices("nodes", "node", nodes)?;
-        hierarchy.check_roots(index, &roots)?;
+        hierarchy.check_roots(index, &roots, &mut self.warnings)?;
         if let Some(extras) = item.inner("extras").ok().flatten() {
             let color =
                 |field| extras.numbers::<3>(field).ok().flatten().map(|rgb| DVec3::from(rgb).as_vec3());

@@ -1,0 +1,199 @@
+//! Whatever the bytes, loading ends in bounded time with a scene or an error.
+//!
+//! `FUZZ_INPUTS=1000000` runs more inputs than the default, `FUZZ_SEED=7` others.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::time::{Duration, Instant};
+
+use glam::{DAffine3, DVec3, Vec3};
+use serde_json::{Value, json};
+use shadowgraph_engine::geometry::{Mesh, MeshData};
+use shadowgraph_engine::gltf;
+use shadowgraph_engine::math::Projection;
+use shadowgraph_engine::scene::{Camera, Image, Light, Material, Scene, ShadowNode, TextureRef, Wrap};
+
+/// A small random generator (SplitMix64): the same inputs on every machine.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, limit: usize) -> usize {
+        (self.next() % limit.max(1) as u64) as usize
+    }
+}
+
+/// A saved scene with a bit of everything.
+fn saved() -> Vec<u8> {
+    let mut scene = Scene::new();
+    let rgba8 = vec![200; 16];
+    let image = scene.add_image(std::sync::Arc::new(Image { name: "i".into(), width: 2, height: 2, rgba8 }));
+    let texture = TextureRef { wrap: [Wrap::Clamp; 2], ..TextureRef::new(image) };
+    let material = Material {
+        base_color_texture: Some(texture),
+        normal_texture: Some((texture, 1.0)),
+        transmission: 0.5,
+        emissive: Vec3::splat(3.0),
+        ..Material::default()
+    };
+    let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    let data = MeshData {
+        name: "m".into(),
+        uvs: positions.iter().map(|p| p.truncate()).collect(),
+        positions,
+        indices: vec![0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3],
+        ..MeshData::default()
+    };
+    let caster = scene.add_mesh(Mesh::new(data).unwrap(), material, DAffine3::from_translation(DVec3::X));
+    let lamp = scene.add_light(Light::spot("lamp", 9.0, 0.5).with_range(9.0), DVec3::Y * 3.0, DVec3::ZERO);
+    scene.add_camera(Camera::perspective("eye", 0.8), DVec3::Z * 3.0, DVec3::ZERO);
+    let projection = Projection::Orthographic { half_height_m: 2.0, near_m: 0.0, far_m: 9.0 };
+    scene.add_camera(Camera { name: "plan".into(), projection }, DVec3::Y * 3.0, DVec3::ZERO);
+    scene.add_shadow("s", ShadowNode::new("Any").with_lights([lamp]).with_casters([caster]));
+    gltf::to_glb(&scene).unwrap()
+}
+
+/// Hand-written: sparse accessor, strip, fan, data URI, skin, quantised attributes.
+fn handwritten() -> Vec<u8> {
+    json!({
+        "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "mesh": 0, "children": [1], "translation": [1, 2, 3] }, { "rotation": [0, 0, 0, 1], "mesh": 0 }],
+        "meshes": [{ "primitives": [
+            { "attributes": { "POSITION": 0 }, "mode": 5 },
+            { "attributes": { "POSITION": 1, "COLOR_0": 2 }, "mode": 6, "indices": 3, "targets": [{ "POSITION": 0 }] },
+            { "attributes": { "POSITION": 0 }, "mode": 0 }] }],
+        "accessors": [
+            { "componentType": 5126, "count": 4, "type": "VEC3", "sparse": { "count": 2,
+              "indices": { "bufferView": 0, "componentType": 5121 }, "values": { "bufferView": 1 } } },
+            { "bufferView": 1, "componentType": 5122, "normalized": true, "count": 3, "type": "VEC3" },
+            { "bufferView": 1, "componentType": 5121, "count": 3, "type": "VEC4" },
+            { "bufferView": 0, "componentType": 5121, "count": 2, "type": "SCALAR" }],
+        "bufferViews": [
+            { "buffer": 0, "byteLength": 4 },
+            { "buffer": 0, "byteOffset": 4, "byteLength": 24, "byteStride": 8 }],
+        "buffers": [{ "byteLength": 28, "uri": "data:;base64,AQIDAAAAAAAAAAAAAAAAAAAAgD8AAIA/AAAAAA==" }],
+    })
+    .to_string()
+    .into_bytes()
+}
+
+fn split(glb: &[u8]) -> (Value, &[u8]) {
+    if !glb.starts_with(b"glTF") {
+        return (serde_json::from_slice(glb).unwrap(), &[]);
+    }
+    let size = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    (serde_json::from_slice(&glb[20..20 + size]).unwrap(), &glb[28 + size..])
+}
+
+fn joined(json: &Value, bin: &[u8]) -> Vec<u8> {
+    let mut text = json.to_string().into_bytes();
+    if bin.is_empty() {
+        return text;
+    }
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let mut glb = b"glTF\x02\0\0\0".to_vec();
+    glb.extend((28 + text.len() as u32 + bin.len() as u32).to_le_bytes());
+    glb.extend((text.len() as u32).to_le_bytes());
+    glb.extend(b"JSON");
+    glb.extend(text);
+    glb.extend((bin.len() as u32).to_le_bytes());
+    glb.extend(b"BIN\0");
+    glb.extend(bin);
+    glb
+}
+
+/// Paths to every value of a document.
+fn paths(value: &Value, path: &str, out: &mut Vec<String>) {
+    out.push(path.to_owned());
+    match value {
+        Value::Array(values) => {
+            values.iter().enumerate().for_each(|(i, v)| paths(v, &format!("{path}/{i}"), out));
+        }
+        Value::Object(object) => object.iter().for_each(|(k, v)| paths(v, &format!("{path}/{k}"), out)),
+        _ => {}
+    }
+}
+
+/// Replaces a random value by something that might hurt.
+fn edit(json: &mut Value, random: &mut Random) {
+    let mut all = Vec::new();
+    paths(json, "", &mut all);
+    let other = json.pointer(&all[random.below(all.len())]).cloned().unwrap_or_default();
+    let huge = [u64::MAX, 1 << 32, u64::from(u32::MAX), 1 << 62, 4_194_304, 2_147_483_647];
+    let replacement = match random.below(12) {
+        0 => json!(huge[random.below(huge.len())]),
+        1 => json!(-1),
+        2 => json!(random.below(8)),
+        3 => json!(1e300),
+        4 => Value::Null,
+        5 => json!("nonsense\u{0}%zz"),
+        6 => json!([]),
+        7 => json!({}),
+        8 => json!(0.5),
+        9 => json!(["VEC2", "VEC4", "SCALAR"][random.below(3)]),
+        _ => other,
+    };
+    let path = &all[random.below(all.len())];
+    if let Some(slot) = json.pointer_mut(path) {
+        match slot {
+            Value::Object(object) if random.below(2) == 0 && !object.is_empty() => {
+                let key = object.keys().nth(random.below(object.len())).cloned().unwrap_or_default();
+                object.remove(&key);
+            }
+            Value::Array(values) if random.below(2) == 0 => values.push(replacement),
+            slot => *slot = replacement,
+        }
+    }
+}
+
+#[test]
+fn mutated_files_neither_panic_nor_hang() {
+    let setting = |name: &str| std::env::var(name).ok().and_then(|value| value.parse::<u64>().ok());
+    let inputs = setting("FUZZ_INPUTS").unwrap_or(20_000);
+    let mut random = Random(setting("FUZZ_SEED").unwrap_or(1));
+    let seeds = [saved(), handwritten()];
+    for seed in &seeds {
+        gltf::load_slice(seed, None).unwrap();
+    }
+    let (mut loaded, mut slowest) = (0_u64, Duration::ZERO);
+    for input in 0..inputs {
+        let seed = &seeds[random.below(seeds.len())];
+        let mut bytes = seed.clone();
+        if random.below(3) > 0 {
+            let (mut json, bin) = split(seed);
+            for _ in 0..=random.below(3) {
+                edit(&mut json, &mut random);
+            }
+            bytes = joined(&json, bin);
+        }
+        if random.below(3) == 0 {
+            for _ in 0..=random.below(4) {
+                let place = random.below(bytes.len());
+                bytes[place] = random.next() as u8;
+            }
+        }
+        if random.below(8) == 0 {
+            bytes.truncate(random.below(bytes.len()));
+        }
+        let start = Instant::now();
+        if let Ok(scene) = gltf::load_slice(&bytes, None) {
+            loaded += 1;
+            // What loads can be posed or refused, and saved or refused, without a panic.
+            let _ = scene.scene.pose();
+            let _ = gltf::to_glb(&scene.scene);
+        }
+        let elapsed = start.elapsed();
+        slowest = slowest.max(elapsed);
+        assert!(elapsed < Duration::from_secs(10), "input {input} took {elapsed:?}");
+    }
+    eprintln!("{loaded} of {inputs} mutated files loaded; the slowest took {slowest:?}");
+    // A test of mutations that all fail at the first check would test little.
+    assert!(loaded > inputs / 20 && loaded < inputs, "{loaded} of {inputs} loaded");
+}
