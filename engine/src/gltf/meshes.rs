@@ -145,7 +145,6 @@ fn append(
         data.uvs.extend(uvs.into_iter().map(Vec2::from));
     }
     if let Some(colors) = streams.colors {
-        let before = data.colors.len();
         data.colors.resize(start, Vec4::ONE);
         if accessors.width(colors, "COLOR_0")? == 3 {
             let colors = accessors.floats::<3>(colors, "COLOR_0", Integers::Normalized, budget)?;
@@ -154,7 +153,6 @@ fn append(
             let colors = accessors.floats::<4>(colors, "COLOR_0", Integers::Normalized, budget)?;
             data.colors.extend(colors.into_iter().map(Vec4::from));
         }
-        debug_assert!(before <= start);
         same_length("COLOR_0", data.colors.len() - start)?;
     }
     pad(data, start + vertices);
