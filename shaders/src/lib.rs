@@ -29,6 +29,7 @@ modules![
     "common/fullscreen",
     "common/lights",
     "common/positions",
+    "nothing",
     "resolve_mask",
     "shadow_volume_hard",
     "surface_depth",

@@ -1,5 +1,6 @@
 // Hard shadow volumes: sides, front caps and far caps of one caster for one light, drawn from the caster's own
-// vertices. Each index carries a vertex and whether its extruded twin is meant: index = 2·vertex + far.
+// vertices. Each index carries a vertex, whether its extruded twin is meant, and whether it is a corner of a side:
+// index = 4·vertex + 2·side + far.
 
 #import common/frame
 #import common/positions
@@ -27,12 +28,27 @@ struct Varyings {
     @builtin(position) @invariant clip: vec4f,
 }
 
+// Sides are drawn this fraction of the depth behind where they are: 16 roundings or less. The side that hangs from an
+// edge of a visible, lit triangle lies behind that triangle, but next to the edge by less than rounding can tell, and
+// a side mistaken to be in front could cancel another caster's count. (For a triangle turned away from the light
+// it lies in front; but such a surface is dark whatever the count.)
+const BEHIND: f32 = 9.5367431640625e-7;
+
+fn behind(clip: vec4f) -> vec4f {
+    let depth_unit = select(clip.w, clip.z, frame.eye_w > 0.0);
+    return vec4f(clip.xy, clip.z - depth_unit * BEHIND, clip.w);
+}
+
 @vertex
 fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) volume_index: u32) -> Varyings {
     let volume = volumes[volume_index];
-    let p = local_position(index >> 1u);
-    if (index & 1u) == 0u {
+    let p = local_position(index >> 2u);
+    if (index & 3u) == 0u {
+        // A cap: the very depth of the visible surface.
         return Varyings(clip_from_local(volume.instance, p));
+    }
+    if (index & 1u) == 0u {
+        return Varyings(behind(clip_from_local(volume.instance, p)));
     }
     // The direction in which the vertex is extruded: w·v − l.
     let away = (p * volume.light_high.w - volume.light_high.xyz) - volume.light_low.xyz;
@@ -45,5 +61,5 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) volume_ind
         stretch = (volume.end_offset - dot(volume.end_normal, p)) / dot(volume.end_normal, away);
     }
     let end_in_view = view_from_local(volume.instance, p) + away_in_view * stretch;
-    return Varyings(frame.clip_from_view * vec4f(end_in_view, 1.0));
+    return Varyings(behind(frame.clip_from_view * vec4f(end_in_view, 1.0)));
 }

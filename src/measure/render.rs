@@ -290,14 +290,17 @@ struct Judged {
 impl Query {
     fn judge(&self, tracer: &mut Tracer<'_>, moved: &Moved) -> Judged {
         let light = &tracer.reference.lights[self.light];
-        let compared = light.reaches(moved.points[0]);
+        // A surface that lies in the light's own direction gets no light from it, shadowed or not: along its plane
+        // every edge it shares with a caster is grazed, and which side a ray passes is rounding.
+        let surface = tracer.reference.surface(moved.hit);
+        let facing = surface.map_or(0, |s| s.facing(light.position));
+        let compared = light.reaches(moved.points[0]) && facing != 0;
         let reached =
             (0..MOVES).filter(|i| light.reaches(moved.points[*i])).fold(0_u8, |bits, i| bits | 1 << i);
         if !moved.receives || reached == 0 {
             return Judged { factor: 1.0, compared, ambiguous: false };
         }
-        let surface = tracer.reference.surface(moved.hit);
-        let turned_away = surface.is_some_and(|s| s.facing(light.position) * moved.eye_side < 0);
+        let turned_away = facing * moved.eye_side < 0;
         let dark = if turned_away {
             reached
         } else {

@@ -4,7 +4,7 @@ use shadowgraph::prelude::*;
 
 /// A renderer on the chosen adapter. Without an adapter the test is skipped with a word, unless `REQUIRE_GPU` is
 /// set: then it fails.
-pub fn renderer() -> Option<Renderer> {
+pub(crate) fn renderer() -> Option<Renderer> {
     let choice = std::env::var("SHADOWGRAPH_ADAPTER").map_or(AdapterChoice::Auto, AdapterChoice::Named);
     match Gpu::open(&choice) {
         Ok(gpu) => Some(Renderer::new(gpu, shadowgraph_nodes::catalog())),

@@ -104,15 +104,29 @@ impl Pipelines {
             bind_group_layouts: &groups,
             immediate_size: 0,
         });
-        let module = self.modules.entry(shader.name.to_string()).or_insert_with(|| {
-            gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(&shader.name),
-                source: wgpu::ShaderSource::Wgsl(shader.source.as_ref().into()),
-            })
-        });
-        let pipeline = create(gpu, &layout, module, wanted);
+        let module = self.module(gpu, &shader.name, &shader.source);
+        // A pass with colour targets wants a fragment stage of every pipeline, even one that writes none of them.
+        let fragment = match &shader.fragment {
+            Some(entry) => Some((module.clone(), entry.to_string())),
+            None if wanted.targets.is_empty() => None,
+            None => {
+                let source = shadowgraph_shaders::source("nothing").unwrap_or_default();
+                Some((self.module(gpu, "nothing", source), "nothing".to_owned()))
+            }
+        };
+        let pipeline = create(gpu, &layout, &module, fragment.as_ref(), wanted);
         self.pipelines.insert(key, pipeline.clone());
         pipeline
+    }
+
+    fn module(&mut self, gpu: &Gpu, name: &str, source: &str) -> wgpu::ShaderModule {
+        let module = self.modules.entry(name.to_owned()).or_insert_with(|| {
+            gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(name),
+                source: wgpu::ShaderSource::Wgsl(source.into()),
+            })
+        });
+        module.clone()
     }
 }
 
@@ -120,6 +134,7 @@ fn create(
     gpu: &Gpu,
     layout: &wgpu::PipelineLayout,
     module: &wgpu::ShaderModule,
+    fragment: Option<&(wgpu::ShaderModule, String)>,
     wanted: &Wanted<'_>,
 ) -> wgpu::RenderPipeline {
     let Wanted { shader, state, .. } = wanted;
@@ -172,7 +187,7 @@ fn create(
             bias: wgpu::DepthBiasState::default(),
         }),
         multisample: wgpu::MultisampleState::default(),
-        fragment: shader.fragment.as_ref().map(|entry| wgpu::FragmentState {
+        fragment: fragment.map(|(module, entry)| wgpu::FragmentState {
             module,
             entry_point: Some(entry),
             compilation_options: wgpu::PipelineCompilationOptions::default(),

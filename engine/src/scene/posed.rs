@@ -11,7 +11,7 @@ use super::{
     AlphaMode, Camera, CameraKey, Content, Image, ImageKey, Light, LightKey, LightKind, Material, NodeKey,
     Scene, SceneError, Scope, ShadowFlags, ShadowKey, ShadowNode,
 };
-use crate::geometry::Mesh;
+use crate::geometry::{Mesh, MeshData};
 use crate::math::{Aabb, Projection, ViewFrustum};
 
 /// A mesh at its place in the world.
@@ -241,6 +241,7 @@ impl Scene {
                         })
                         .collect();
                     let lit = materials.iter().any(|material| !material.unlit);
+                    let (mesh, world_from_local) = flattened(mesh, world_from_local);
                     let world_bounds = Aabb::from_points(
                         mesh.positions().iter().map(|p| world_from_local.transform_point3(p.as_dvec3())),
                     );
@@ -252,7 +253,8 @@ impl Scene {
                     posed.instances.push(Instance {
                         node: key,
                         name: node.name.clone(),
-                        mesh: Arc::clone(mesh),
+                        pose_key: pose_key(mesh.id(), &world_from_local),
+                        mesh,
                         materials,
                         world_from_local,
                         world_bounds,
@@ -260,7 +262,6 @@ impl Scene {
                             casts: content.shadow.casts && lit,
                             receives: content.shadow.receives && lit,
                         },
-                        pose_key: pose_key(mesh.id(), &world_from_local),
                     });
                 }
                 Content::Light(light_key) => {
@@ -321,6 +322,31 @@ impl Scene {
         }
     }
 }
+
+/// A singular transform has no inverse, so the light has no place in the mesh's local space. Such a mesh is replaced
+/// by what the transform makes of it, placed by a translation.
+fn flattened(mesh: &Arc<Mesh>, world_from_local: DAffine3) -> (Arc<Mesh>, DAffine3) {
+    let linear = world_from_local.matrix3;
+    let size = linear.x_axis.length() * linear.y_axis.length() * linear.z_axis.length();
+    if linear.determinant().abs() > SINGULAR * size {
+        return (Arc::clone(mesh), world_from_local);
+    }
+    let center = mesh.bounds().transformed(&world_from_local).center().as_vec3().as_dvec3();
+    let world = |p: &Vec3| (world_from_local.transform_point3(p.as_dvec3()) - center).as_vec3();
+    let data = MeshData {
+        normals: Vec::new(),
+        positions: mesh.positions().iter().map(world).collect(),
+        ..mesh.data().clone()
+    };
+    match Mesh::new(data) {
+        Ok(flat) => (Arc::new(flat), DAffine3::from_translation(center)),
+        // Positions that left the finite range are found by the caller.
+        Err(_) => (Arc::clone(mesh), world_from_local),
+    }
+}
+
+/// A determinant below this fraction of the product of its columns' lengths counts as zero.
+const SINGULAR: f64 = 1e-7;
 
 /// The hash behind [`Instance::pose_key`].
 fn pose_key(mesh_id: u64, world_from_local: &DAffine3) -> u64 {

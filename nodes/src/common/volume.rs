@@ -112,7 +112,7 @@ impl CasterFacing {
     }
 }
 
-/// Indices of a volume, each 2·vertex + far, in runs that are drawn as the view demands.
+/// Indices of a volume, each 4·vertex + 2·side + far, in runs that are drawn as the view demands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VolumeIndices {
     /// All runs, one after the other.
@@ -146,7 +146,9 @@ impl VolumeIndices {
             &restricted
         };
         let chain = Chain::extract(topology, signs);
-        let (near, far) = (|vertex: u32| vertex << 1, |vertex: u32| vertex << 1 | 1);
+        let near = |vertex: u32| vertex << 2 | 2;
+        let far = |vertex: u32| vertex << 2 | 3;
+        let cap = |vertex: u32| vertex << 2;
         let mut indices = Vec::with_capacity(chain.sides.len() * 6 + triangles.len() * 6);
         let mut run = |add: &mut dyn FnMut(&mut Vec<u32>)| {
             let start = indices.len() as u32;
@@ -167,7 +169,7 @@ impl VolumeIndices {
             }
         });
         // Front caps use the mesh's own indices, as the visible surface does.
-        let own = |triangle: u32| instance.mesh.triangle(triangle as usize).map(near);
+        let own = |triangle: u32| instance.mesh.triangle(triangle as usize).map(cap);
         let front_caps = run(&mut |i| chain.caps_front.iter().for_each(|t| i.extend(own(*t))));
         let front_caps_turned = run(&mut |i| chain.caps_back.iter().for_each(|t| i.extend(own(*t))));
         let silhouette_edges = chain.silhouette_edges;
