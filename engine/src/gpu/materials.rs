@@ -7,13 +7,14 @@ use bytemuck::{Pod, Zeroable};
 #[cfg(test)]
 use glam::Vec2;
 
+use super::uniforms::layout;
 use super::{Gpu, GpuError};
 use crate::scene::{AlphaMode, Image, ImageKey, Material, TextureRef, Wrap};
 
 /// `struct Material` of surface_shade.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct MaterialUniform {
+pub struct MaterialUniform {
     base_color: [f32; 4],
     emissive: [f32; 3],
     metallic: f32,
@@ -22,9 +23,13 @@ struct MaterialUniform {
     occlusion_strength: f32,
     alpha_cutoff: f32,
     flags: u32,
-    pad: [u32; 3],
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
     uv_rows: [[f32; 4]; 10],
 }
+
+layout!(MaterialUniform: base_color, emissive, metallic, roughness, normal_scale, occlusion_strength, alpha_cutoff, flags, pad_0, pad_1, pad_2, uv_rows);
 
 /// The material textures, in the order of their bindings, and whether their colours are sRGB.
 fn textures(material: &Material) -> [(Option<TextureRef>, bool); 5] {
@@ -60,7 +65,9 @@ impl MaterialUniform {
             occlusion_strength: material.occlusion_texture.map_or(1.0, |(_, strength)| strength),
             alpha_cutoff: if let AlphaMode::Mask { cutoff } = material.alpha_mode { cutoff } else { -1.0 },
             flags,
-            pad: [0; 3],
+            pad_0: 0,
+            pad_1: 0,
+            pad_2: 0,
             uv_rows,
         }
     }
