@@ -153,7 +153,10 @@ pub(crate) fn index_count(draws: &[&Draw]) -> u64 {
 /// Whether the draw counts behind the surface (z-fail) and not before it.
 pub(crate) fn counts_behind(draw: &Draw) -> bool {
     let stencil = draw.state.stencil.expect("volumes count in the stencil");
-    assert_ne!(stencil.front.pass_op == StencilOperation::Keep, stencil.front.depth_fail_op == StencilOperation::Keep);
+    assert_ne!(
+        stencil.front.pass_op == StencilOperation::Keep,
+        stencil.front.depth_fail_op == StencilOperation::Keep
+    );
     stencil.front.depth_fail_op != StencilOperation::Keep
 }
 
@@ -167,9 +170,9 @@ pub(crate) fn opaque_draws(plan: &FramePlan) -> usize {
 }
 
 pub(crate) fn has_stencil(plan: &FramePlan) -> bool {
-    plan.slots.iter().any(
-        |slot| matches!(slot.kind, SlotKind::Texture { format, .. } if format.has_stencil_aspect()),
-    )
+    plan.slots
+        .iter()
+        .any(|slot| matches!(slot.kind, SlotKind::Texture { format, .. } if format.has_stencil_aspect()))
 }
 
 pub(crate) fn has_note(plan: &FramePlan, text: &str) -> bool {
@@ -223,7 +226,13 @@ impl ShadowTechnique for Veil {
             scissor_px: None,
         };
         let name = format!("veil of {}", light.light().name);
-        light.pass(Pass { name, reason: "a test".into(), colors: vec![target], depth: None, draws: vec![draw] });
+        light.pass(Pass {
+            name,
+            reason: "a test".into(),
+            colors: vec![target],
+            depth: None,
+            draws: vec![draw],
+        });
         Ok(())
     }
 }
