@@ -24,7 +24,7 @@ impl Yard {
             (0..3).map(|i| add_box(&mut scene, &format!("box {i}"), at(2.0 * f64::from(i), 1.5, 0.0)));
         let boxes = boxes.collect();
         let lamps = ["left", "right"].map(|name| add_lamp(&mut scene, name));
-        scene.node_mut(lamps[1]).unwrap().parent_from_local.translation.x += 3.0;
+        scene.node_mut(lamps[1]).expect("it was just added").parent_from_local.translation.x += 3.0;
         scene.add_shadow("shadows", hard(&[]));
         Self { scene, boxes, lamps, cache: Cache::new() }
     }
@@ -39,7 +39,8 @@ impl Yard {
     }
 
     fn shift(&mut self, node: NodeKey) {
-        self.scene.node_mut(node).unwrap().parent_from_local.translation += DVec3::new(0.125, 0.0, 0.25);
+        self.scene.node_mut(node).expect("it is in the scene").parent_from_local.translation +=
+            DVec3::new(0.125, 0.0, 0.25);
     }
 }
 

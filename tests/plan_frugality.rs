@@ -250,7 +250,9 @@ fn tower(count: u32) -> Scene {
 }
 
 fn write_masks(plan: &FramePlan) -> Vec<u8> {
-    let masks = volume_draws(plan, "sun").into_iter().map(|draw| draw.state.stencil.unwrap().write_mask);
+    let masks = volume_draws(plan, "sun")
+        .into_iter()
+        .map(|draw| draw.state.stencil.expect("volumes count").write_mask);
     let mut masks: Vec<u8> = masks.collect();
     masks.dedup();
     masks

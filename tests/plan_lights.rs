@@ -17,7 +17,8 @@ fn lamps(count: usize) -> Scene {
     add_box(&mut scene, "crate", at(0.0, 1.5, 0.0));
     for index in 0..count {
         let lamp = add_lamp(&mut scene, &format!("lamp{index}"));
-        scene.node_mut(lamp).unwrap().parent_from_local.translation.x += index as f64 * 0.03;
+        let node = scene.node_mut(lamp).expect("it was just added");
+        node.parent_from_local.translation.x += index as f64 * 0.03;
     }
     scene.add_shadow("shadows", hard(&[]));
     scene

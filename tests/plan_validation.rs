@@ -11,7 +11,7 @@ use shadowgraph_engine::plan::{
 fn valid() -> FramePlan {
     let mut scene = shadowed_yard(&[]);
     let second = add_lamp(&mut scene, "second");
-    scene.node_mut(second).unwrap().parent_from_local.translation.x += 1.0;
+    scene.node_mut(second).expect("it was just added").parent_from_local.translation.x += 1.0;
     let plan = plan(&scene, &request());
     assert_eq!(plan.validate(), Ok(()));
     plan
@@ -100,9 +100,12 @@ fn keeping_what_was_never_cleared() {
     assert!(matches!(error, PlanError::MissingClear { .. }));
 }
 
+/// A change that breaks a plan, and what the error must name.
+type Change = (&'static [&'static str], fn(&mut FramePlan));
+
 #[test]
 fn formats_and_kinds_that_do_not_match() {
-    let changes: [(&[&str], fn(&mut FramePlan)); 8] = [
+    let changes: [Change; 8] = [
         (&["'shading'", "'depth'", "a colour attachment"], |plan| {
             let slot = slot(plan, "depth");
             pass(plan, "shading").colors[0].slot = slot;
