@@ -122,8 +122,8 @@ fn volumes_end_on_a_plane_behind_all_that_receives() {
             instance.name
         );
     }
-    // It follows closely: a tenth of the scene's size below the floor is beyond it.
-    assert!(height(DVec3::new(0.0, -2.0, 0.0)) < 0.0, "the plane is far below the floor");
+    // It follows closely: a hundredth of the floor's size below the floor is beyond it.
+    assert!(height(DVec3::new(0.0, -0.1, 0.0)) < 0.0, "the plane is far below the floor");
 }
 
 #[test]
@@ -183,20 +183,25 @@ fn a_light_that_reaches_nothing_in_view_has_no_passes() {
 
 #[test]
 fn a_light_whose_casters_miss_the_view_has_no_passes() {
-    // Behind the eye, lit from above: the shadow falls where nobody looks.
-    let mut scene = with_floor();
-    add_box(&mut scene, "behind", at(60.0, 1.5, 80.0));
-    scene.add_light(Light::directional("sun", 1.0), DVec3::new(0.0, 6.0, 0.0), DVec3::ZERO);
-    scene.add_shadow("shadows", hard(&[]));
-    let missed = plan(&scene, &request());
-    assert_eq!(pass_names(&missed), ["shading"]);
-    assert!(!has_stencil(&missed) && missed.bytes() == PIXELS * 8);
-    assert!(has_note(&missed, "casters of 'sun' 'behind': its shadow misses"), "{missed}");
-    // With another caster in view, only that one is drawn.
-    add_box(&mut scene, "crate", at(0.0, 1.5, 0.0));
-    let seen = plan(&scene, &request());
-    let names: Vec<&str> = volume_draws(&seen, "sun").iter().map(|draw| draw.name.as_str()).collect();
-    assert_eq!(names, ["crate"]);
+    // Lit from above: one box beyond all that receives, one over the floor where nobody looks.
+    for (place, reason) in [
+        (at(-40.0, 90.0, -60.0), "its shadow misses all receivers in view"),
+        (at(8.5, 0.6, 9.0), "its shadow misses the view"),
+    ] {
+        let mut scene = with_floor();
+        add_box(&mut scene, "unseen", place);
+        scene.add_light(Light::directional("sun", 1.0), DVec3::new(0.0, 6.0, 0.0), DVec3::ZERO);
+        scene.add_shadow("shadows", hard(&[]));
+        let missed = plan(&scene, &request());
+        assert_eq!(pass_names(&missed), ["shading"]);
+        assert!(!has_stencil(&missed) && missed.bytes() == PIXELS * 8);
+        assert!(missed.notes.contains(&format!("casters of 'sun' 'unseen': {reason}")), "{missed}");
+        // With another caster in view, only that one is drawn.
+        add_box(&mut scene, "crate", at(0.0, 1.5, 0.0));
+        let seen = plan(&scene, &request());
+        let names: Vec<&str> = volume_draws(&seen, "sun").iter().map(|draw| draw.name.as_str()).collect();
+        assert_eq!(names, ["crate"]);
+    }
 }
 
 #[test]
