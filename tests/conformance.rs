@@ -1,5 +1,11 @@
 //! Technique × hard case: every factor is judged by the exact reference.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test fails by panicking and reports by printing"
+)]
+
 mod common;
 
 use shadowgraph::cases::{self, Case, Expect};
