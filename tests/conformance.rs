@@ -43,7 +43,7 @@ fn complaint(case: &Case, result: &Result<Evaluation, EvaluateError>) -> Option<
         match case.expect {
             Expect::Shadow if !(dark && lit) => wrong.push(format!("{}: no shadow to get wrong", error.name)),
             Expect::NoShadow if dark => {
-                wrong.push(format!("{}: a shadow where none is expected", error.name))
+                wrong.push(format!("{}: a shadow where none is expected", error.name));
             }
             _ => {}
         }

@@ -207,7 +207,11 @@ impl ShadowTechnique for ShadowVolumeHard {
             first_record += group.len() as u32;
             light.pass(Pass {
                 name: format!("volumes of {}", light.light().name),
-                reason: format!("{} casters between {} and what is in view", group.len(), light.light().name),
+                reason: format!(
+                    "what casts between {} and the view, casters: {}",
+                    light.light().name,
+                    group.len()
+                ),
                 colors: vec![],
                 depth: Some(depth.clone()),
                 draws,

@@ -37,6 +37,14 @@ pub enum PlanError {
     ScissorOutside { pass: String, draw: String, scissor: [u32; 4], width: u32, height: u32 },
     #[error("the factor of light '{light}' is expected in {place}, which no pass writes")]
     FactorNeverWritten { light: String, place: String },
+    #[error("nothing writes '{slot}', which the frame is to deliver")]
+    NeverWritten { slot: String },
+    #[error(
+        "light '{light}' is shaded from the stencil, in which pass '{pass}' counts or clears for another"
+    )]
+    StencilShared { light: String, pass: String },
+    #[error("{lights} lights have bits in the light mask, but {resolves} passes resolve counts into it")]
+    Unresolved { lights: usize, resolves: usize },
     #[error(
         "counts of pass '{pass}' within {counted:?} are resolved only within {resolved:?}: they would leak into the next light"
     )]
