@@ -161,9 +161,10 @@ fn reading_what_is_being_written() {
 
 #[test]
 fn draws_that_do_not_fit_their_pass() {
-    let error = broken(&["'volumes of lamp'", "'crate'", "1 colour targets"], |plan| {
-        pass(plan, "volumes of lamp").draws[0].state.targets = vec![Some(BlendState::REPLACE)];
-    });
+    let error =
+        broken(&["'volumes of lamp'", "'crate closed z-pass to a plane'", "1 colour targets"], |plan| {
+            pass(plan, "volumes of lamp").draws[0].state.targets = vec![Some(BlendState::REPLACE)];
+        });
     assert!(matches!(error, PlanError::TargetCount { given: 1, needed: 0, .. }));
     let error = broken(&["'shading'", "writes depth"], |plan| {
         pass(plan, "shading").draws[0].state.depth_write = true;
@@ -182,13 +183,16 @@ fn draws_that_do_not_fit_their_pass() {
 #[test]
 fn indices_beyond_the_buffer() {
     let held = buffer(&valid(), "volume indices of lamp").0.len() as u64 / 4;
-    let error = broken(&["'volumes of lamp'", "'crate'", "'volume indices of lamp'"], |plan| {
-        let Geometry::Indexed { first, count, .. } = &mut pass(plan, "volumes of lamp").draws[0].geometry
-        else {
-            panic!("volumes are indexed")
-        };
-        (*first, *count) = (u32::MAX, u32::MAX);
-    });
+    let error = broken(
+        &["'volumes of lamp'", "'crate closed z-pass to a plane'", "'volume indices of lamp'"],
+        |plan| {
+            let Geometry::Indexed { first, count, .. } = &mut pass(plan, "volumes of lamp").draws[0].geometry
+            else {
+                panic!("volumes are indexed")
+            };
+            (*first, *count) = (u32::MAX, u32::MAX);
+        },
+    );
     let PlanError::IndexRange { end, count, .. } = error else { panic!("{error}") };
     assert_eq!((end, count), (2 * u64::from(u32::MAX), held));
 }

@@ -9,12 +9,28 @@ const EXCLUSIVE: &[(&str, [&str; 2])] = &[("surface_factor", ["COUNTS", "VISIBIL
 
 /// What plans, and the engine's own styles, ask of each module: at least these flags and entry points must be there.
 const USED: &[(&str, &[&str], &[&str])] = &[
+    ("nothing", &[], &["nothing"]),
     ("resolve_mask", &[], &["fullscreen_vertex", "mark", "darken"]),
     ("shadow_volume_hard", &[], &["vertex", "fullscreen_vertex"]),
     ("surface_depth", &[], &["vertex"]),
     ("surface_factor", &["COUNTS", "VISIBILITY"], &["vertex", "factor"]),
     ("surface_measure", &[], &["vertex", "visible_triangle"]),
-    ("surface_shade", &["COUNTS", "MASK", "VISIBILITY"], &["vertex", "opaque", "blended", "masked_depth"]),
+    ("surface_shade", SHADE_FLAGS, &["vertex", "opaque", "blended", "masked_depth"]),
+];
+
+const SHADE_FLAGS: &[&str] = &[
+    "BASE_COLOR_TEXTURE",
+    "COUNTS",
+    "EMISSIVE_TEXTURE",
+    "MANY_LIGHTS",
+    "MASK",
+    "MASKED",
+    "METALLIC_ROUGHNESS_TEXTURE",
+    "NORMAL_TEXTURE",
+    "OCCLUSION_TEXTURE",
+    "UNLIT",
+    "VERTEX_COLOR",
+    "VISIBILITY",
 ];
 
 fn directives(name: &str, directive: &str) -> BTreeSet<String> {

@@ -483,10 +483,7 @@ fn upload(light: &mut LightPlan<'_>, volumes: &[Volume<'_>], groups: &[Vec<Membe
             .collect::<Vec<u8>>()
     });
     let edges: usize = indices.iter().map(|(_, runs)| runs.silhouette_edges).sum();
-    let reason = format!(
-        "{edges} silhouette edges of {} volumes, and their caps for views that need them",
-        records.len()
-    );
+    let reason = format!("{edges} silhouette edges, and the caps for views that need them");
     let index_slot =
         light.buffer(&format!("volume indices of {name}"), BufferUsage::Index, key, bytes, &reason);
     let bytes: &[u8] = bytemuck::cast_slice(&records);

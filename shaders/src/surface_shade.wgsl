@@ -45,9 +45,7 @@ struct Varyings {
     @location(0) p_in_view: vec3f,
     @location(1) normal_in_view: vec3f,
     @location(2) @interpolate(flat, first) receives: u32,
-#if UV
     @location(3) uv: vec2f,
-#endif
 #if VERTEX_COLOR
     @location(4) color: vec4f,
 #endif
@@ -68,9 +66,7 @@ fn vertex(
     out.p_in_view = view_from_local(instance, position);
     out.normal_in_view = n;
     out.receives = i.flags & 1u;
-#if UV
     out.uv = uv;
-#endif
 #if VERTEX_COLOR
     out.color = color;
 #endif
@@ -192,8 +188,7 @@ fn shade(in: Varyings) -> vec4f {
 #if UNLIT
     // Unlit colours are what they are: exposure and tone mapping leave them alone.
     return base;
-#endif
-#if LIT
+#else
     var emitted = material.emissive;
 #if EMISSIVE_TEXTURE
     emitted *= textureSample(emissive_texture, emissive_sampler, uv_of(2u, in.uv)).rgb;

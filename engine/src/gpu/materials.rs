@@ -41,30 +41,25 @@ fn textures(material: &Material) -> [(Option<TextureRef>, bool); 5] {
 
 /// What a surface has, as bits: the shader is composed with the flags of [`FEATURE_FLAGS`] whose bits are set.
 pub(crate) fn features(material: &Material, mesh: &Mesh, lights: usize) -> u32 {
-    let mut bits = if material.unlit { 1 } else { 2 };
-    bits |= u32::from(matches!(material.alpha_mode, AlphaMode::Mask { .. })) << 2;
+    let mut bits = u32::from(material.unlit);
+    bits |= u32::from(matches!(material.alpha_mode, AlphaMode::Mask { .. })) << 1;
     for (index, (texture, _)) in textures(material).iter().enumerate() {
-        bits |= u32::from(texture.is_some()) << (index + 3);
+        bits |= u32::from(texture.is_some()) << (index + 2);
     }
-    let textured = bits >> 3 != 0;
-    bits |= u32::from(textured) << 8;
-    bits |= u32::from(!mesh.data().colors.is_empty()) << 9;
-    bits | if lights <= FEW_LIGHTS { 1 << 10 } else { 1 << 11 }
+    bits |= u32::from(!mesh.data().colors.is_empty()) << 7;
+    bits | u32::from(lights > FEW_LIGHTS) << 8
 }
 
 /// The shader flags of the bits of [`features`].
-pub(crate) const FEATURE_FLAGS: [&str; 12] = [
+pub(crate) const FEATURE_FLAGS: [&str; 9] = [
     "UNLIT",
-    "LIT",
     "MASKED",
     "BASE_COLOR_TEXTURE",
     "METALLIC_ROUGHNESS_TEXTURE",
     "EMISSIVE_TEXTURE",
     "NORMAL_TEXTURE",
     "OCCLUSION_TEXTURE",
-    "UV",
     "VERTEX_COLOR",
-    "FEW_LIGHTS",
     "MANY_LIGHTS",
 ];
 

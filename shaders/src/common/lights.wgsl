@@ -21,11 +21,10 @@ struct Light {
 
 // A uniform, not a storage buffer: software adapters read storage lane by lane. The larger array is as much as every
 // adapter can bind.
-#if FEW_LIGHTS
-@group(0) @binding(2) var<uniform> lights: array<Light, 16>;
-#endif
 #if MANY_LIGHTS
 @group(0) @binding(2) var<uniform> lights: array<Light, 1024>;
+#else
+@group(0) @binding(2) var<uniform> lights: array<Light, 16>;
 #endif
 
 // Unit direction towards the light, and its irradiance on a surface facing it, at view-space point `p`.
