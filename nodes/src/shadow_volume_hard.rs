@@ -392,7 +392,9 @@ fn group_by_layers(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) -> Groups 
     };
     let position = light.light().position;
     let keys: Vec<u64> = volumes.iter().map(|volume| volume.key).collect();
-    let bound = *light.cache.get_or_compute("layers", hash_of(&keys), || layers(position, volumes, &all()));
+    let bound = *light
+        .cache
+        .get_or_compute("layers", hash_of(&keys), || layers(position, volumes, &all(), MAX_COUNT));
     let before = light.counts_before();
     if bound <= MAX_COUNT - before.min(MAX_COUNT) {
         return Groups { groups: vec![all()], bound, folds: false };
@@ -401,7 +403,7 @@ fn group_by_layers(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) -> Groups 
     let mut groups = Vec::new();
     let mut open = vec![all()];
     while let Some(mut group) = open.pop() {
-        if layers(position, volumes, &group) <= MAX_GROUP_COUNT {
+        if layers(position, volumes, &group, MAX_GROUP_COUNT) <= MAX_GROUP_COUNT {
             groups.push(group);
         } else if group.len() > 1 {
             let second_half = group.split_off(group.len() / 2);
@@ -423,28 +425,35 @@ fn group_by_layers(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) -> Groups 
     Groups { groups, bound, folds: true }
 }
 
-/// A bound on the cast triangles of `members` that one light ray crosses.
-fn layers(light: DVec4, volumes: &[Volume<'_>], members: &[Member]) -> u32 {
-    let cast = |member: &'_ Member| match &member.triangles {
+/// A bound on the cast triangles of `members` that one light ray crosses. A first bound above `enough` is tried again
+/// with a finer grid.
+fn layers(light: DVec4, volumes: &[Volume<'_>], members: &[Member], enough: u32) -> u32 {
+    let cast = |member: &Member| match &member.triangles {
         Some(triangles) => triangles.len(),
         None => volumes[member.volume].facing.cast.len(),
     };
     let count: usize = members.iter().map(cast).sum();
     // No ray crosses more triangles than there are.
-    if count <= MAX_GROUP_COUNT as usize {
+    if count <= enough as usize {
         return count as u32;
     }
     let topology = |member: &Member| volumes[member.volume].instance.mesh.topology();
     let bounds = members.iter().fold(Aabb::EMPTY, |bounds, member| {
         bounds.union(&volumes[member.volume].facing.bounds(topology(member)))
     });
-    let mut grid = LayerGrid::new(light, &bounds, count);
-    for member in members {
-        let facing = &volumes[member.volume].facing;
-        let triangles = member.triangles.as_ref().unwrap_or(&facing.cast);
-        triangles.iter().for_each(|triangle| grid.add_triangle(facing.corners(topology(member), *triangle)));
-    }
-    grid.max_layers()
+    let bound_with = |detail: usize| {
+        let mut grid = LayerGrid::with_detail(light, &bounds, count, detail);
+        for member in members {
+            let facing = &volumes[member.volume].facing;
+            let triangles = member.triangles.as_ref().unwrap_or(&facing.cast);
+            triangles
+                .iter()
+                .for_each(|triangle| grid.add_triangle(facing.corners(topology(member), *triangle)));
+        }
+        grid.max_layers()
+    };
+    let bound = bound_with(1);
+    if bound > enough { bound.min(bound_with(4)) } else { bound }
 }
 
 /// The buffers of one light's volumes.
