@@ -165,20 +165,26 @@ fn grazing_sun() {
     );
 }
 
-#[test]
-fn grazing_lamp() {
-    // The lamp sinks towards the plane of the floor.
-    sweep(
-        "lamp at",
-        [1.0, 0.1, 0.01, 1e-3, 1e-4].map(|height_m| {
-            let light_position = DVec3::new(-3.0, height_m, 1.5);
-            (format!("{height_m} m"), Setup { light_position, floor_half_m: 20.0, ..Setup::default() })
-        }),
-    );
+fn sinking_lamp(heights_m: &[f64]) {
+    let steps = heights_m.iter().map(|height_m| {
+        let light_position = DVec3::new(-3.0, *height_m, 1.5);
+        (format!("{height_m} m"), Setup { light_position, floor_half_m: 20.0, ..Setup::default() })
+    });
+    sweep("lamp at", steps);
 }
 
 #[test]
-fn light_touching_the_caster() {
+fn grazing_lamp() {
+    // The lamp sinks towards the plane of the floor.
+    sinking_lamp(&[1.0, 0.1, 0.01, 1e-3]);
+}
+
+#[test]
+fn grazing_lamp_within_a_200_000th_of_the_floor() {
+    sinking_lamp(&[1e-4]);
+}
+
+fn approaching_light(gaps_m: &[f64]) {
     // Over the middle of the box's top, over its edge, over its corner; then beside its side.
     let places = [
         ("face", DVec3::new(0.2, 1.375, 0.1), DVec3::Y),
@@ -186,16 +192,24 @@ fn light_touching_the_caster() {
         ("corner", DVec3::new(0.75, 1.375, 0.5), DVec3::ONE.normalize()),
         ("side", DVec3::new(0.75, 1.0, 0.1), DVec3::X),
     ];
-    let gaps_m = [0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0];
-    sweep(
-        "light before",
-        places.into_iter().flat_map(|(name, place, out)| {
-            gaps_m.map(|gap_m| {
-                let setup = Setup { light_position: place + out * gap_m, ..Setup::default() };
-                (format!("{name} by {gap_m:e} m"), setup)
-            })
-        }),
-    );
+    let steps = places.into_iter().flat_map(|(name, place, out)| {
+        gaps_m.iter().map(move |gap_m| {
+            let setup = Setup { light_position: place + out * *gap_m, ..Setup::default() };
+            (format!("{name} by {gap_m:e} m"), setup)
+        })
+    });
+    sweep("light before", steps);
+}
+
+#[test]
+fn light_touching_the_caster() {
+    approaching_light(&[0.1, 1e-2, 1e-3, 1e-4, 0.0]);
+}
+
+#[test]
+fn light_almost_touching_the_caster() {
+    // Seen from the light, an edge of one metre spans all but some roundings of a half circle.
+    approaching_light(&[1e-5, 1e-6, 1e-7]);
 }
 
 #[test]
