@@ -1,9 +1,12 @@
 //! Different ways to the same picture: every option, draw order and grouping of passes gives the same factors.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "rows of measurements are what a reader of the log is after")]
+
 mod common;
 
 use shadowgraph::cases::{self, Case};
-use shadowgraph::measure::{Measured, Reference, ReferenceImage, measured, queries};
+use shadowgraph::measure::{Measured, Reference, ReferenceImage, queries};
 use shadowgraph::prelude::*;
 
 /// Every case that default options accept.
@@ -235,7 +238,8 @@ fn an_unmoved_scene_is_drawn_again_without_work() {
 
 #[test]
 fn moving_there_and_back_gives_the_first_frame_again() {
-    let Some(mut renderer) = common::renderer() else { return };
+    // A second renderer never sees what the first may remember of before the move.
+    let (Some(mut renderer), Some(mut fresh)) = (common::renderer(), common::renderer()) else { return };
     let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
     let mut moved_pictures = 0;
     for case in &accepted(&mut renderer) {
@@ -248,15 +252,19 @@ fn moving_there_and_back_gives_the_first_frame_again() {
         let home = scene.node(key).unwrap().parent_from_local;
         let aside = DAffine3::from_translation(DVec3::new(0.25, 0.0625, -0.125));
         scene.node_mut(key).unwrap().parent_from_local = aside * home;
-        let moved = renderer.render(&scene, &request, &options).unwrap();
+        let moved_scene = scene.clone();
+        let moved = renderer.render(&moved_scene, &request, &options).unwrap();
         scene.node_mut(key).unwrap().parent_from_local = home;
         let back = renderer.render(&scene, &request, &options).unwrap();
         assert!(first.picture.is_some() && first.picture == back.picture, "{}: picture", case.name());
         assert!(first.factors == back.factors, "{}: factors", case.name());
         assert!(first.visible_triangles == back.visible_triangles, "{}: surfaces", case.name());
         moved_pictures += usize::from(moved.factors != first.factors);
-        // What was measured is what the frame holds.
-        assert!(measured(&moved, request.size_px).is_ok());
+        let anew = fresh.render(&moved_scene, &request, &options).unwrap();
+        assert!(moved.picture == anew.picture, "{}: the moved picture holds something stale", case.name());
+        assert!(moved.factors == anew.factors, "{}: the moved factors hold something stale", case.name());
     }
-    assert!(moved_pictures > 50, "moving changed the factors of {moved_pictures} cases only");
+    if std::env::var_os("CASE").is_none() {
+        assert!(moved_pictures > 50, "moving changed the factors of {moved_pictures} cases only");
+    }
 }

@@ -1,5 +1,8 @@
 //! Many lights: the picture is the sum of the pictures of each light alone, and no light's shadow leaks into the next.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "rows of measurements are what a reader of the log is after")]
+
 mod common;
 
 use glam::Vec2;

@@ -6,6 +6,9 @@
 //!
 //! The models are data that is not part of the project; without their folder the test is skipped.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "rows of measurements are what a reader of the log is after")]
+
 mod common;
 
 use std::path::PathBuf;

@@ -3,6 +3,9 @@
 //! Every step is judged by the exact reference: 0 wrong pixels outside the ambiguity band, the band no wider than it
 //! may be, and a shadow to get wrong. Each step prints a row.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "rows of measurements are what a reader of the log is after")]
+
 mod common;
 
 use glam::{DMat4, Vec2};
