@@ -247,8 +247,8 @@ fn moving_there_and_back_gives_the_first_frame_again() {
         let mut scene = case.scene.clone();
         let first = renderer.render(&scene, &request, &options).unwrap();
         let meshes = scene.depth_first().into_iter();
-        let meshes = meshes.filter(|key| matches!(scene.node(*key).unwrap().content, Content::Mesh(_)));
-        let Some(key) = meshes.last() else { continue };
+        let mut meshes = meshes.filter(|key| matches!(scene.node(*key).unwrap().content, Content::Mesh(_)));
+        let Some(key) = meshes.next_back() else { continue };
         let home = scene.node(key).unwrap().parent_from_local;
         let aside = DAffine3::from_translation(DVec3::new(0.25, 0.0625, -0.125));
         scene.node_mut(key).unwrap().parent_from_local = aside * home;
