@@ -1,5 +1,6 @@
 //! One renderer on the adapter of the machine.
 
+use shadowgraph::measure::{Measured, measured};
 use shadowgraph::prelude::*;
 
 /// A renderer on the chosen adapter. Without an adapter the test is skipped with a word, unless `REQUIRE_GPU` is
@@ -14,4 +15,20 @@ pub(crate) fn renderer() -> Option<Renderer> {
         }
         Err(error) => panic!("REQUIRE_GPU is set, but {error}"),
     }
+}
+
+/// Renders `scene` with its factors, as the measures want them.
+pub(crate) fn measure(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    request: &FrameRequest,
+) -> Result<Measured, RenderError> {
+    let request = FrameRequest { factors: true, ..request.clone() };
+    let frame = renderer.render(scene, &request, &RenderOptions::default())?;
+    measured(&frame, request.size_px)
+}
+
+/// A mesh of generated data, which a test gets right or ends.
+pub(crate) fn mesh(data: MeshData) -> Mesh {
+    Mesh::new(data).unwrap_or_else(|error| panic!("a test generates an invalid mesh: {error}"))
 }

@@ -5,5 +5,5 @@
 mod gpu;
 mod plans;
 
-pub(crate) use gpu::renderer;
+pub(crate) use gpu::{measure, mesh, renderer};
 pub(crate) use plans::*;
