@@ -27,7 +27,8 @@ fn complaint(case: &Case, result: &Result<Evaluation, EvaluateError>) -> Option<
     };
     let mut wrong = Vec::new();
     // Where nothing is visible there is nothing to compare, and only then.
-    let empty = case.expect == Expect::NoShadow && evaluation.errors.iter().all(|error| error.hit_pixels == 0);
+    let empty =
+        case.expect == Expect::NoShadow && evaluation.errors.iter().all(|error| error.hit_pixels == 0);
     if !empty && !evaluation.errors.iter().all(|error| error.passes()) {
         wrong.push(ErrorTable(&evaluation.errors).to_string());
     }
