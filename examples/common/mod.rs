@@ -1,5 +1,9 @@
 //! What the examples share: opening the adapter, rendering a scene, and putting a picture into `out/`.
-#![allow(dead_code, clippy::print_stdout, reason = "each example uses its part, and tells where its picture is")]
+#![allow(
+    dead_code,
+    clippy::print_stdout,
+    reason = "each example uses its part, and tells where its picture is"
+)]
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -20,7 +24,8 @@ pub(crate) fn renderer(catalog: Catalog) -> Result<Renderer, Box<dyn Error>> {
 /// `out/`, made if it is not there.
 pub(crate) fn out_dir() -> Result<PathBuf, Box<dyn Error>> {
     let path = PathBuf::from("out");
-    std::fs::create_dir_all(&path).map_err(|error| format!("'{}' cannot be made: {error}", path.display()))?;
+    std::fs::create_dir_all(&path)
+        .map_err(|error| format!("'{}' cannot be made: {error}", path.display()))?;
     Ok(path)
 }
 
@@ -37,7 +42,8 @@ pub(crate) fn picture(
     let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
     let frame = renderer.render(scene, &request, &options)?;
     let pixels = frame.picture.ok_or("the frame has no picture")?;
-    let large = RgbaImage::from_raw(size_px[0], size_px[1], pixels.bytes).ok_or("the picture is cut short")?;
+    let large =
+        RgbaImage::from_raw(size_px[0], size_px[1], pixels.bytes).ok_or("the picture is cut short")?;
     let small = imageops::resize(&large, SIZE_PX[0], SIZE_PX[1], imageops::FilterType::Triangle);
     let path = out_dir()?.join(name).with_extension("png");
     small.save(&path).map_err(|error| format!("'{}' cannot be written: {error}", path.display()))?;
