@@ -1,5 +1,11 @@
 //! Technique × hard case: every factor is judged by the exact reference.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test fails by panicking and reports by printing"
+)]
+
 mod common;
 
 use shadowgraph::cases::{self, Case, Expect};
@@ -37,7 +43,7 @@ fn complaint(case: &Case, result: &Result<Evaluation, EvaluateError>) -> Option<
         match case.expect {
             Expect::Shadow if !(dark && lit) => wrong.push(format!("{}: no shadow to get wrong", error.name)),
             Expect::NoShadow if dark => {
-                wrong.push(format!("{}: a shadow where none is expected", error.name))
+                wrong.push(format!("{}: a shadow where none is expected", error.name));
             }
             _ => {}
         }

@@ -129,7 +129,7 @@ fn described_material(scene: &Scene, material: &Material) -> String {
 
 /// What a posed scene says, without the keys and identities that differ from scene to scene.
 fn described(scene: &Scene) -> String {
-    let Posed { instances, lights, cameras, shadow_nodes, world_bounds, ambient, background } =
+    let Posed { instances, lights, cameras, shadow_nodes, world_bounds, images: _, ambient, background } =
         scene.pose().unwrap();
     let mut text = format!("{world_bounds:?} {ambient:?} {background:?}\n");
     for i in instances {

@@ -207,7 +207,11 @@ impl ShadowTechnique for ShadowVolumeHard {
             first_record += group.len() as u32;
             light.pass(Pass {
                 name: format!("volumes of {}", light.light().name),
-                reason: format!("{} casters between {} and what is in view", group.len(), light.light().name),
+                reason: format!(
+                    "what casts between {} and the view, casters: {}",
+                    light.light().name,
+                    group.len()
+                ),
                 colors: vec![],
                 depth: Some(depth.clone()),
                 draws,
@@ -228,6 +232,21 @@ struct Volume<'a> {
     end: End,
     clamp_depth: bool,
     directional: bool,
+    closed: bool,
+}
+
+impl Volume<'_> {
+    /// The caster's name and what was chosen for it.
+    fn name(&self) -> String {
+        let mode = if self.closed { "closed" } else { "open" };
+        let depth_test = if self.z_fail { "z-fail" } else { "z-pass" };
+        let end = match self.end {
+            End::Infinite => "to infinity",
+            End::Plane(_) => "to a plane",
+            End::Scaled(_) => "beyond the view",
+        };
+        format!("{} {mode} {depth_test} {end}", self.instance.name)
+    }
 }
 
 impl ShadowVolumeHard {
@@ -265,6 +284,7 @@ impl ShadowVolumeHard {
                 end: self.end(light, instance)?,
                 clamp_depth: z_fail && !perspective,
                 directional: position.w == 0.0,
+                closed,
             });
         }
         note_left_out(light, &left_out);
@@ -296,7 +316,7 @@ impl ShadowVolumeHard {
         let near = light.view.frustum.near_corners.map(|corner| local_from_world.transform_point3(corner));
         let eye = light.view.camera.world_from_view.translation;
         let near = Aabb::from_points(near.into_iter().chain([local_from_world.transform_point3(eye)]));
-        Ok(!topology.components().iter().any(|component| overlap(&component.bounds, &near)))
+        Ok(!topology.components().iter().any(|component| component.bounds.overlaps(&near)))
     }
 
     /// Whether the caster is counted by z-fail.
@@ -334,10 +354,6 @@ impl ShadowVolumeHard {
             None => Ok(End::Infinite),
         }
     }
-}
-
-fn overlap(a: &Aabb, b: &Aabb) -> bool {
-    a.min.cmple(b.max).all() && b.min.cmple(a.max).all()
 }
 
 /// One note for each reason, not for each caster.
@@ -467,7 +483,7 @@ fn upload(light: &mut LightPlan<'_>, volumes: &[Volume<'_>], groups: &[Vec<Membe
             .collect::<Vec<u8>>()
     });
     let edges: usize = indices.iter().map(|(_, runs)| runs.silhouette_edges).sum();
-    let reason = format!("{edges} silhouette edges and the caps of {} volumes", records.len());
+    let reason = format!("{edges} silhouette edges, and the caps for views that need them");
     let index_slot =
         light.buffer(&format!("volume indices of {name}"), BufferUsage::Index, key, bytes, &reason);
     let bytes: &[u8] = bytemuck::cast_slice(&records);
@@ -529,7 +545,7 @@ fn volume_draws(
             state.depth_clamp = volume.clamp_depth;
             state.stencil = Some(count(volume.z_fail, turned, counter));
             Draw {
-                name: volume.instance.name.clone(),
+                name: volume.name(),
                 shader: Some(buffers.shader.clone()),
                 state,
                 geometry: Geometry::Indexed {

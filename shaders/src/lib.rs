@@ -3,7 +3,8 @@
 //! A shader is plain WGSL with two kinds of lines of its own:
 //!
 //! * `#import common/frame` puts that module's text there, once;
-//! * `#if NAME` … `#endif` keeps the lines between only when `NAME` is among the chosen flags.
+//! * `#if NAME` … `#else` … `#endif` keeps the lines between only when `NAME` is among the chosen flags, or, after
+//!   the optional `#else`, only when it is not.
 //!
 //! Everything else is what the compiler sees. Techniques outside this workspace compose their own text with
 //! [`compose`] and may import every common module.
@@ -100,6 +101,9 @@ fn append(
         let directive = text.trim();
         if let Some(flag) = directive.strip_prefix("#if ") {
             open.push((flags.contains(&flag.trim()), line + 1));
+        } else if directive == "#else" {
+            let (kept, _) = open.last_mut().ok_or_else(unbalanced)?;
+            *kept = !*kept;
         } else if directive == "#endif" {
             open.pop().ok_or_else(unbalanced)?;
         } else if !keeping {
@@ -132,6 +136,9 @@ mod tests {
         let composed = compose("t", text, &["B"]).unwrap();
         assert_eq!(composed.matches("fn fullscreen_vertex").count(), 1);
         assert!(!composed.contains("let a") && composed.contains("let b"));
+        let text = "#if A\nlet a = 1;\n#else\nlet b = 1;\n#endif\n";
+        assert_eq!(compose("t", text, &["A"]).unwrap(), "let a = 1;\n");
+        assert_eq!(compose("t", text, &[]).unwrap(), "let b = 1;\n");
     }
 
     #[test]
@@ -141,6 +148,7 @@ mod tests {
             error.contains("'mine'") && error.contains("'common/nothing'") && error.contains("common/frame")
         );
         assert!(matches!(compose("mine", "#if A", &[]), Err(ShaderError::Unbalanced { line: 1, .. })));
+        assert!(matches!(compose("mine", "#else", &[]), Err(ShaderError::Unbalanced { line: 1, .. })));
         assert!(matches!(compose("mine", "#endif", &[]), Err(ShaderError::Unbalanced { line: 1, .. })));
     }
 }

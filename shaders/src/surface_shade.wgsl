@@ -1,4 +1,5 @@
 // Forward shading of the visible surface: every light of the frame in one pass, each with its shadow factor.
+// Flags leave out what a material does not have: software adapters run both sides of every branch.
 // Metallic-roughness as glTF 2.0 appendix B defines it (Lambert, GGX, height-correlated Smith, Schlick).
 
 #import common/frame
@@ -13,11 +14,6 @@ struct Material {
     occlusion_strength: f32,
     // Holes are where alpha is below; negative when there are none.
     alpha_cutoff: f32,
-    // Bit 0 unlit, bits 1 to 5: base colour, metallic-roughness, emissive, normal, occlusion textures present.
-    flags: u32,
-    pad_0: u32,
-    pad_1: u32,
-    pad_2: u32,
     // Two rows for each texture: uv' = (dot(row0, (u, v, 1)), dot(row1, (u, v, 1))).
     uv_rows: array<vec4f, 10>,
 }
@@ -48,9 +44,11 @@ struct Varyings {
     @builtin(position) @invariant clip: vec4f,
     @location(0) p_in_view: vec3f,
     @location(1) normal_in_view: vec3f,
-    @location(2) uv: vec2f,
-    @location(3) color: vec4f,
-    @location(4) @interpolate(flat, first) receives: u32,
+    @location(2) @interpolate(flat, first) receives: u32,
+    @location(3) uv: vec2f,
+#if VERTEX_COLOR
+    @location(4) color: vec4f,
+#endif
 }
 
 @vertex
@@ -63,25 +61,32 @@ fn vertex(
 ) -> Varyings {
     let i = instances[instance];
     let n = vec3f(dot(i.normal_x.xyz, normal), dot(i.normal_y.xyz, normal), dot(i.normal_z.xyz, normal));
-    return Varyings(
-        clip_from_local(instance, position), view_from_local(instance, position), n, uv, color, i.flags & 1u,
-    );
+    var out: Varyings;
+    out.clip = clip_from_local(instance, position);
+    out.p_in_view = view_from_local(instance, position);
+    out.normal_in_view = n;
+    out.receives = i.flags & 1u;
+    out.uv = uv;
+#if VERTEX_COLOR
+    out.color = color;
+#endif
+    return out;
 }
 
-fn has(bit: u32) -> bool {
-    return (material.flags & (1u << bit)) != 0u;
-}
-
+// The texture coordinates of texture number `texture`, in the order of the bindings.
 fn uv_of(texture: u32, uv: vec2f) -> vec2f {
     let uv1 = vec3f(uv, 1.0);
     return vec2f(dot(material.uv_rows[texture * 2u].xyz, uv1), dot(material.uv_rows[texture * 2u + 1u].xyz, uv1));
 }
 
 fn base_color(in: Varyings) -> vec4f {
-    var color = material.base_color * in.color;
-    if has(1u) {
-        color *= textureSample(base_color_texture, base_color_sampler, uv_of(0u, in.uv));
-    }
+    var color = material.base_color;
+#if VERTEX_COLOR
+    color *= in.color;
+#endif
+#if BASE_COLOR_TEXTURE
+    color *= textureSample(base_color_texture, base_color_sampler, uv_of(0u, in.uv));
+#endif
     return color;
 }
 
@@ -107,6 +112,7 @@ fn shadow_factor(light: Light, pixel: vec2u) -> vec3f {
     return vec3f(1.0);
 }
 
+#if NORMAL_TEXTURE
 // The normal of the tangent-space map in a frame made from screen-space derivatives of position and uv.
 fn mapped_normal(n: vec3f, p: vec3f, uv: vec2f) -> vec3f {
     let dp_dx = dpdx(p);
@@ -122,6 +128,7 @@ fn mapped_normal(n: vec3f, p: vec3f, uv: vec2f) -> vec3f {
     let scaled = vec3f(texel.xy * material.normal_scale, texel.z);
     return normalize(tangent * size * scaled.x - bitangent * size * scaled.y + n * scaled.z);
 }
+#endif
 
 struct Surface {
     p: vec3f,
@@ -146,7 +153,9 @@ fn reflect_light(s: Surface, l: vec3f) -> vec3f {
     let d = n_h * n_h * (a2 - 1.0) + 1.0;
     let distribution = a2 / (3.14159265 * d * d);
     let smith = n_l * sqrt(n_v * n_v * (1.0 - a2) + a2) + n_v * sqrt(n_l * n_l * (1.0 - a2) + a2);
-    let fresnel = s.f0 + (1.0 - s.f0) * pow(1.0 - v_h, 5.0);
+    let away = 1.0 - v_h;
+    let away_2 = away * away;
+    let fresnel = s.f0 + (1.0 - s.f0) * (away_2 * away_2 * away);
     let specular = fresnel * distribution * 0.5 / max(smith, 1e-6);
     return ((1.0 - fresnel) * s.diffuse * 0.31830989 + specular) * n_l;
 }
@@ -169,19 +178,21 @@ fn tone_mapped(radiance: vec3f) -> vec3f {
     return mix(color, vec3f(new_peak), g);
 }
 
-fn shade(in: Varyings, front: bool) -> vec4f {
+fn shade(in: Varyings) -> vec4f {
     let base = base_color(in);
+#if MASKED
     if base.a < material.alpha_cutoff {
         discard;
     }
+#endif
+#if UNLIT
+    // Unlit colours are what they are: exposure and tone mapping leave them alone.
+    return base;
+#else
     var emitted = material.emissive;
-    if has(3u) {
-        emitted *= textureSample(emissive_texture, emissive_sampler, uv_of(2u, in.uv)).rgb;
-    }
-    if has(0u) {
-        // Unlit colours are what they are: exposure and tone mapping leave them alone.
-        return vec4f(base.rgb, base.a);
-    }
+#if EMISSIVE_TEXTURE
+    emitted *= textureSample(emissive_texture, emissive_sampler, uv_of(2u, in.uv)).rgb;
+#endif
     var s: Surface;
     s.p = in.p_in_view;
     s.v = select(vec3f(0.0, 0.0, 1.0), normalize(-in.p_in_view), frame.eye_w > 0.0);
@@ -189,25 +200,26 @@ fn shade(in: Varyings, front: bool) -> vec4f {
     s.geometric = select(s.geometric, -s.geometric, dot(s.geometric, s.v) < 0.0);
     s.n = normalize(in.normal_in_view);
     s.n = select(-s.n, s.n, dot(s.n, s.geometric) >= 0.0);
-    if has(4u) {
-        s.n = mapped_normal(s.n, in.p_in_view, in.uv);
-    }
+#if NORMAL_TEXTURE
+    s.n = mapped_normal(s.n, in.p_in_view, in.uv);
+#endif
     var metallic = material.metallic;
     var roughness = material.roughness;
-    if has(2u) {
-        let texel = textureSample(metallic_roughness_texture, metallic_roughness_sampler, uv_of(1u, in.uv));
-        metallic *= texel.b;
-        roughness *= texel.g;
-    }
+#if METALLIC_ROUGHNESS_TEXTURE
+    let metallic_roughness =
+        textureSample(metallic_roughness_texture, metallic_roughness_sampler, uv_of(1u, in.uv));
+    metallic *= metallic_roughness.b;
+    roughness *= metallic_roughness.g;
+#endif
     s.alpha = max(roughness * roughness, 0.002);
     s.diffuse = base.rgb * (1.0 - metallic);
     s.f0 = mix(vec3f(0.04), base.rgb, metallic);
 
     var occlusion = 1.0;
-    if has(5u) {
-        let texel = textureSample(occlusion_texture, occlusion_sampler, uv_of(4u, in.uv)).r;
-        occlusion = 1.0 + material.occlusion_strength * (texel - 1.0);
-    }
+#if OCCLUSION_TEXTURE
+    let openness = textureSample(occlusion_texture, occlusion_sampler, uv_of(4u, in.uv)).r;
+    occlusion = 1.0 + material.occlusion_strength * (openness - 1.0);
+#endif
     // Ambient: full from above, half from below; metals show it as a mirror of the same sky.
     let sky = 0.75 + 0.25 * dot(s.n, frame.up_in_view);
     var color = frame.ambient * sky * occlusion * (s.diffuse + s.f0 * 0.7);
@@ -225,17 +237,18 @@ fn shade(in: Varyings, front: bool) -> vec4f {
     }
     color += emitted * frame.exposure;
     return vec4f(select(color, tone_mapped(color), frame.tone_map == 1u), base.a);
+#endif
 }
 
 @fragment
-fn opaque(in: Varyings, @builtin(front_facing) front: bool) -> @location(0) vec4f {
-    return vec4f(shade(in, front).rgb, 1.0);
+fn opaque(in: Varyings) -> @location(0) vec4f {
+    return vec4f(shade(in).rgb, 1.0);
 }
 
 // Premultiplied, for blending over what is behind.
 @fragment
-fn blended(in: Varyings, @builtin(front_facing) front: bool) -> @location(0) vec4f {
-    let color = shade(in, front);
+fn blended(in: Varyings) -> @location(0) vec4f {
+    let color = shade(in);
     return vec4f(color.rgb * color.a, color.a);
 }
 

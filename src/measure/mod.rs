@@ -14,6 +14,7 @@ pub mod pictures;
 mod reference;
 mod render;
 mod surface;
+mod technique;
 
 pub use evaluate::{EvaluateError, Evaluation, evaluate, measured, queries};
 pub use metrics::{
@@ -24,3 +25,4 @@ pub use reference::{CasterSet, Hit, Reference, Tracer};
 pub use render::{
     DEPTH_ULPS, LightQuery, LightReference, PIXEL_MOVE, Progress, ReferenceImage, SupersampledImage,
 };
+pub use technique::ReferenceShadow;

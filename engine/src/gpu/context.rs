@@ -32,6 +32,8 @@ pub enum GpuError {
     BufferTooLarge { mesh: String, bytes: u64, adapter: String, limit: u64 },
     #[error("image '{image}' is {width}x{height}, adapter '{adapter}' allows {limit}")]
     ImageTooLarge { image: String, width: u32, height: u32, adapter: String, limit: u32 },
+    #[error("the scene has {count} lights, a frame can have {limit}")]
+    TooManyLights { count: usize, limit: usize },
     #[error(transparent)]
     Pixels(#[from] PixelsError),
 }

@@ -2,16 +2,17 @@
 
 use std::collections::HashMap;
 
+use bytemuck::Zeroable;
 use wgpu::TextureFormat;
 
 use super::bindings::Layouts;
 use super::groups::group_passes;
-use super::materials::Materials;
+use super::materials::{FEW_LIGHTS, MAX_LIGHTS, Materials};
 use super::meshes::Meshes;
 use super::pipelines::Pipelines;
 use super::readback::{Pending, read_buffer};
 use super::{FrameUniform, Gpu, GpuError, InstanceUniform, LightUniform, Pixels};
-use crate::plan::{BufferUsage, FramePlan, Geometry, SlotId, SlotKind};
+use crate::plan::{BufferUsage, FramePlan, Geometry, Shader, SlotId, SlotKind, SurfaceStyle};
 use crate::scene::{Posed, PosedCamera};
 
 mod encode;
@@ -76,6 +77,8 @@ pub struct Executor {
     meshes: Meshes,
     materials: Materials,
     frame_layout: wgpu::BindGroupLayout,
+    /// By style, what the draw reads, and what the material has.
+    surface_shaders: HashMap<(SurfaceStyle, u32, u32), Option<Shader>>,
     textures: HashMap<TextureKey, Kept<wgpu::Texture>>,
     buffers: HashMap<(u64, BufferUsage), Kept<wgpu::Buffer>>,
     uploads: u64,
@@ -112,7 +115,11 @@ impl Executor {
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
         let frame_layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("frame"),
-            entries: &[entry(0, wgpu::BufferBindingType::Uniform), entry(1, storage), entry(2, storage)],
+            entries: &[
+                entry(0, wgpu::BufferBindingType::Uniform),
+                entry(1, storage),
+                entry(2, wgpu::BufferBindingType::Uniform),
+            ],
         });
         Self {
             layouts: Layouts::default(),
@@ -120,6 +127,7 @@ impl Executor {
             meshes: Meshes::default(),
             materials: Materials::new(&gpu),
             frame_layout,
+            surface_shaders: HashMap::new(),
             textures: HashMap::new(),
             buffers: HashMap::new(),
             uploads: 0,
@@ -143,6 +151,10 @@ impl Executor {
     /// # Errors
     /// What the device reports, with the adapter's name.
     pub fn execute(&mut self, plan: &FramePlan, inputs: &FrameInputs<'_>) -> Result<Executed, GpuError> {
+        let (count, limit) = (inputs.posed.lights.len(), MAX_LIGHTS);
+        if count > limit {
+            return Err(GpuError::TooManyLights { count, limit });
+        }
         self.begin_frame();
         self.upload_scene(plan, inputs)?;
         let slots = self.slots(plan);
@@ -298,12 +310,14 @@ impl Executor {
             instances.push(InstanceUniform::new(instance, &view_from_world, first_triangle));
             first_triangle += instance.mesh.triangle_count() as u32;
         }
-        let lights: Vec<_> = posed
+        let mut lights: Vec<_> = posed
             .lights
             .iter()
             .zip(&plan.lights)
             .map(|(light, planned)| LightUniform::new(light, planned.factor, &view_from_world, exposure))
             .collect();
+        let capacity = if lights.len() <= FEW_LIGHTS { FEW_LIGHTS } else { MAX_LIGHTS };
+        lights.resize(capacity, LightUniform::zeroed());
         let frame = FrameUniform::new(posed, camera, plan.size_px, exposure, tone_map);
         let gpu = &self.gpu;
         let buffers = [
@@ -313,7 +327,7 @@ impl Executor {
                 wgpu::BufferUsages::STORAGE,
                 &at_least(bytemuck::cast_slice(&instances), 112),
             ),
-            gpu.buffer("lights", wgpu::BufferUsages::STORAGE, &at_least(bytemuck::cast_slice(&lights), 64)),
+            gpu.buffer("lights", wgpu::BufferUsages::UNIFORM, bytemuck::cast_slice(&lights)),
         ];
         let entries: Vec<_> = buffers
             .iter()

@@ -7,13 +7,15 @@ use bytemuck::{Pod, Zeroable};
 #[cfg(test)]
 use glam::Vec2;
 
+use super::uniforms::layout;
 use super::{Gpu, GpuError};
+use crate::geometry::Mesh;
 use crate::scene::{AlphaMode, Image, ImageKey, Material, TextureRef, Wrap};
 
 /// `struct Material` of surface_shade.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct MaterialUniform {
+pub struct MaterialUniform {
     base_color: [f32; 4],
     emissive: [f32; 3],
     metallic: f32,
@@ -21,10 +23,10 @@ struct MaterialUniform {
     normal_scale: f32,
     occlusion_strength: f32,
     alpha_cutoff: f32,
-    flags: u32,
-    pad: [u32; 3],
     uv_rows: [[f32; 4]; 10],
 }
+
+layout!(MaterialUniform: base_color, emissive, metallic, roughness, normal_scale, occlusion_strength, alpha_cutoff, uv_rows);
 
 /// The material textures, in the order of their bindings, and whether their colours are sRGB.
 fn textures(material: &Material) -> [(Option<TextureRef>, bool); 5] {
@@ -37,13 +39,41 @@ fn textures(material: &Material) -> [(Option<TextureRef>, bool); 5] {
     ]
 }
 
+/// What a surface has, as bits: the shader is composed with the flags of [`FEATURE_FLAGS`] whose bits are set.
+pub(crate) fn features(material: &Material, mesh: &Mesh, lights: usize) -> u32 {
+    let mut bits = u32::from(material.unlit);
+    bits |= u32::from(matches!(material.alpha_mode, AlphaMode::Mask { .. })) << 1;
+    for (index, (texture, _)) in textures(material).iter().enumerate() {
+        bits |= u32::from(texture.is_some()) << (index + 2);
+    }
+    bits |= u32::from(!mesh.data().colors.is_empty()) << 7;
+    bits | u32::from(lights > FEW_LIGHTS) << 8
+}
+
+/// The shader flags of the bits of [`features`].
+pub(crate) const FEATURE_FLAGS: [&str; 9] = [
+    "UNLIT",
+    "MASKED",
+    "BASE_COLOR_TEXTURE",
+    "METALLIC_ROUGHNESS_TEXTURE",
+    "EMISSIVE_TEXTURE",
+    "NORMAL_TEXTURE",
+    "OCCLUSION_TEXTURE",
+    "VERTEX_COLOR",
+    "MANY_LIGHTS",
+];
+
+/// Up to so many lights the shorter array of common/lights does.
+pub(crate) const FEW_LIGHTS: usize = 16;
+
+/// The most lights a frame may have: the longer array of common/lights.
+pub(crate) const MAX_LIGHTS: usize = 1024;
+
 impl MaterialUniform {
     fn new(material: &Material) -> Self {
         let textures = textures(material);
-        let mut flags = u32::from(material.unlit);
         let mut uv_rows = [[0.0; 4]; 10];
         for (index, (texture, _)) in textures.iter().enumerate() {
-            flags |= u32::from(texture.is_some()) << (index + 1);
             let transform = texture.map(|texture| texture.transform).unwrap_or_default();
             // The extension's matrix: translation · rotation · scale, with v pointing down.
             let (sin, cos) = transform.rotation_rad.sin_cos();
@@ -59,8 +89,6 @@ impl MaterialUniform {
             normal_scale: material.normal_texture.map_or(1.0, |(_, scale)| scale),
             occlusion_strength: material.occlusion_texture.map_or(1.0, |(_, strength)| strength),
             alpha_cutoff: if let AlphaMode::Mask { cutoff } = material.alpha_mode { cutoff } else { -1.0 },
-            flags,
-            pad: [0; 3],
             uv_rows,
         }
     }

@@ -12,5 +12,6 @@ mod uniforms;
 
 pub use context::{AdapterChoice, Gpu, GpuError};
 pub use executor::{Executed, Executor, FrameInputs, PassTime, Timing};
+pub use materials::MaterialUniform;
 pub use readback::{Pixels, PixelsError};
 pub use uniforms::{FrameUniform, InstanceUniform, Layout, LightUniform};

@@ -1,6 +1,8 @@
 //! Render pipelines by everything that makes them different.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use wgpu::TextureFormat;
 
@@ -29,9 +31,9 @@ pub(crate) enum Culling {
 /// Everything that makes two pipelines different.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Key {
-    shader: String,
-    vertex: String,
-    fragment: Option<String>,
+    shader: Arc<str>,
+    vertex: Cow<'static, str>,
+    fragment: Option<Cow<'static, str>>,
     kinds: Vec<(u32, BindKind)>,
     with_material: bool,
     input: VertexInput,
@@ -79,9 +81,9 @@ impl Pipelines {
         // Blending is not part of targets that cannot blend, and the stencil reference is set while drawing.
         let stencil = state.stencil.map(|stencil| Stencil { reference: 0, ..stencil });
         let key = Key {
-            shader: shader.name.to_string(),
-            vertex: shader.vertex.to_string(),
-            fragment: shader.fragment.as_ref().map(ToString::to_string),
+            shader: Arc::clone(&shader.name),
+            vertex: shader.vertex.clone(),
+            fragment: shader.fragment.clone(),
             kinds: wanted.kinds.to_vec(),
             with_material: wanted.with_material,
             input: wanted.input,

@@ -55,19 +55,21 @@ pub struct LightUniform {
     pub pad_0: u32,
 }
 
-/// Names, byte offsets and sizes of a structure's fields, and its whole size: what the layout test compares.
+/// Names and byte offsets of a structure's fields, and its whole size: what the layout test compares.
 pub type Layout = (Vec<(&'static str, usize)>, usize);
 
 macro_rules! layout {
     ($type:ty: $($field:ident),*) => {
         impl $type {
             /// The byte offset of every field, and the whole size.
-            pub fn layout() -> Layout {
+            pub fn layout() -> $crate::gpu::Layout {
                 (vec![$((stringify!($field), std::mem::offset_of!($type, $field))),*], size_of::<$type>())
             }
         }
     };
 }
+
+pub(super) use layout;
 
 layout!(FrameUniform: clip_from_view, view_from_clip, size_px, exposure, light_count, ambient, tone_map, up_in_view, eye_w);
 layout!(InstanceUniform: row_x, row_y, row_z, normal_x, normal_y, normal_z, flags, first_triangle, pad_0, pad_1);

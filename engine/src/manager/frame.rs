@@ -21,6 +21,10 @@ use crate::shadow::{Cache, Channels, LightPlan, Registry, ShadowError, View, has
 pub enum FrameError {
     #[error("a picture of {width}x{height} was asked for; width and height must be from 1 to {limit}")]
     Size { width: u32, height: u32, limit: u32 },
+    #[error(
+        "camera '{name}' is not valid: it needs 0 < near < far, and a field of view between 0 and pi or a positive height, all finite"
+    )]
+    Camera { name: String },
     #[error(transparent)]
     Shadow(#[from] ShadowError),
 }
@@ -97,6 +101,9 @@ pub fn plan_frame(
     let limit = adapter.max_size_px;
     if width == 0 || height == 0 || width > limit || height > limit {
         return Err(FrameError::Size { width, height, limit });
+    }
+    if !request.camera.projection.is_valid() || !request.camera.world_from_view.is_finite() {
+        return Err(FrameError::Camera { name: request.camera.name.clone() });
     }
     let frustum = request.camera.frustum(request.size_px);
     let view = View {
@@ -199,8 +206,9 @@ impl Assembly<'_> {
         if any_counts {
             self.b.slots[self.depth.0].reason = "hidden surfaces, and the counts of shadow volumes".into();
         }
-        // One light with counts is shaded straight from the stencil.
-        let mask = (counted > 1).then(|| {
+        // One light with counts is shaded straight from the stencil, if no other light counts in it.
+        let others_count = segments.iter().any(|s| s.counts && s.visibility.is_some());
+        let mask = (counted > 1 || (counted == 1 && others_count)).then(|| {
             let format = match counted {
                 0..=8 => TextureFormat::R8Unorm,
                 9..=16 => TextureFormat::Rg8Unorm,
@@ -538,8 +546,13 @@ fn engine_shader(
     fragment: Option<&'static str>,
 ) -> Shader {
     let source = shadowgraph_shaders::compose_named(name, flags).unwrap_or_default();
-    let name = if flags.is_empty() { name.into() } else { format!("{name} {}", flags.join(" ")).into() };
-    Shader { name, source: source.into(), vertex: vertex.into(), fragment: fragment.map(Into::into) }
+    let name = if flags.is_empty() { name.into() } else { format!("{name} {}", flags.join(" ")) };
+    Shader {
+        name: name.into(),
+        source: source.into(),
+        vertex: vertex.into(),
+        fragment: fragment.map(Into::into),
+    }
 }
 
 impl FramePlan {

@@ -77,6 +77,11 @@ impl Aabb {
         point.cmpge(self.min).all() && point.cmple(self.max).all()
     }
 
+    /// Whether the two boxes have a point in common.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
     /// Whether the closed segment `from + t·(to − from)`, t ∈ \[0, 1\], touches the box.
     pub fn intersects_segment(&self, from: DVec3, to: DVec3) -> bool {
         self.intersects_ray(from, to - from, 1.0)

@@ -157,7 +157,7 @@ pub struct Pass {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shader {
     /// Its name in texts and errors. Shaders with one name and equal flags have one text.
-    pub name: Cow<'static, str>,
+    pub name: Arc<str>,
     /// The composed WGSL.
     pub source: Arc<str>,
     /// The vertex entry point.

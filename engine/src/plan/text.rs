@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Access, BufferUsage, Draw, FramePlan, Geometry, Load, Pass, Slot, SlotId, SlotKind};
+use super::{Access, Binding, BufferUsage, Draw, FramePlan, Geometry, Load, Pass, Slot, SlotId, SlotKind};
 
 /// Draws listed one by one in a pass's text; the rest are summed up.
 const DRAWS_SHOWN: usize = 8;
@@ -103,7 +103,8 @@ impl FramePlan {
             write!(f, " by {}", shader.name)?;
         }
         for (_, binding) in &draw.bindings {
-            write!(f, ", reads '{}'", self.name_of(binding.slot()))?;
+            let aspect = if matches!(binding, Binding::StencilOf(_)) { "stencil of " } else { "" };
+            write!(f, ", reads {aspect}'{}'", self.name_of(binding.slot()))?;
         }
         if let Some([x, y, width, height]) = draw.scissor_px {
             write!(f, ", within {width}x{height}+{x}+{y}")?;

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use thiserror::Error;
 
 use super::{
-    Access, Binding, ColorTarget, FactorAt, FramePlan, Geometry, Load, Pass, Slot, SlotId, SlotKind,
+    Access, Binding, ColorTarget, Draw, FactorAt, FramePlan, Geometry, Load, Pass, Slot, SlotId, SlotKind,
     StencilOperation,
 };
 
@@ -37,6 +37,14 @@ pub enum PlanError {
     ScissorOutside { pass: String, draw: String, scissor: [u32; 4], width: u32, height: u32 },
     #[error("the factor of light '{light}' is expected in {place}, which no pass writes")]
     FactorNeverWritten { light: String, place: String },
+    #[error("nothing writes '{slot}', which the frame is to deliver")]
+    NeverWritten { slot: String },
+    #[error(
+        "light '{light}' is shaded from the stencil, in which pass '{pass}' counts or clears for another"
+    )]
+    StencilShared { light: String, pass: String },
+    #[error("{lights} lights have bits in the light mask, but {resolves} passes resolve counts into it")]
+    Unresolved { lights: usize, resolves: usize },
     #[error(
         "counts of pass '{pass}' within {counted:?} are resolved only within {resolved:?}: they would leak into the next light"
     )]
@@ -153,7 +161,7 @@ impl FramePlan {
                 }
             }
             if let Some(scissor) = draw.scissor_px {
-                let [width, height] = self.size_px;
+                let [width, height] = self.target_size_px(pass);
                 let [x, y, w, h] = scissor.map(u64::from);
                 if x + w > u64::from(width) || y + h > u64::from(height) {
                     return Err(PlanError::ScissorOutside {
@@ -199,9 +207,27 @@ impl FramePlan {
         Ok(())
     }
 
+    /// The size of what a pass draws into.
+    fn target_size_px(&self, pass: &Pass) -> [u32; 2] {
+        let attached =
+            pass.colors.first().map(|color| color.slot).or(pass.depth.as_ref().map(|depth| depth.slot));
+        match attached.and_then(|slot| self.slots.get(slot.0)).map(|slot| &slot.kind) {
+            Some(SlotKind::Texture { size_px, .. }) => *size_px,
+            _ => self.size_px,
+        }
+    }
+
     fn check_factors(&self, written: &HashSet<(SlotId, u32)>) -> Result<(), PlanError> {
+        for slot in [Some(self.picture), self.visible_triangles].into_iter().flatten() {
+            if !written.contains(&(slot, 0)) {
+                return Err(PlanError::NeverWritten { slot: self.slots[slot.0].name.clone() });
+            }
+        }
         for light in &self.lights {
             let never = |place: String| PlanError::FactorNeverWritten { light: light.name.clone(), place };
+            if light.factor_image.is_some_and(|slot| !written.contains(&(slot, 0))) {
+                return Err(never("its factor image".into()));
+            }
             match light.factor {
                 FactorAt::Counts if !self.passes.iter().any(writes_stencil) => {
                     return Err(never("the stencil".into()));
@@ -224,12 +250,24 @@ impl FramePlan {
 
     /// A draw that sets the stencil back to zero must cover every draw that counted since the last one.
     fn check_counts_resolved(&self) -> Result<(), PlanError> {
-        let whole = [0, 0, self.size_px[0], self.size_px[1]];
+        let resolves = self.passes.iter().filter(|pass| pass.draws.iter().any(zeroes_stencil)).count();
+        let in_mask = self.lights.iter().filter(|light| matches!(light.factor, FactorAt::MaskBit(_))).count();
+        let shared = self.lights.iter().find(|light| light.factor == FactorAt::Counts);
+        if let (Some(light), Some(pass)) =
+            (shared, self.passes.iter().find(|p| p.draws.iter().any(zeroes_stencil)))
+        {
+            return Err(PlanError::StencilShared { light: light.name.clone(), pass: pass.name.clone() });
+        }
+        if resolves < in_mask {
+            return Err(PlanError::Unresolved { lights: in_mask, resolves });
+        }
         let mut counted: Vec<(&str, [u32; 4])> = Vec::new();
         for pass in &self.passes {
             if pass.depth.as_ref().is_some_and(|depth| matches!(depth.stencil, Some(Access::Clear(_)))) {
                 counted.clear();
             }
+            let [width, height] = self.target_size_px(pass);
+            let whole = [0, 0, width, height];
             for draw in &pass.draws {
                 let Some(stencil) = draw.state.stencil else { continue };
                 let scissor = draw.scissor_px.unwrap_or(whole);
@@ -258,6 +296,10 @@ fn changes(stencil: &super::Stencil) -> bool {
     [stencil.front, stencil.back].iter().any(|face| {
         [face.fail_op, face.depth_fail_op, face.pass_op].iter().any(|op| *op != StencilOperation::Keep)
     })
+}
+
+fn zeroes_stencil(draw: &Draw) -> bool {
+    draw.state.stencil.is_some_and(|stencil| stencil.front.pass_op == StencilOperation::Zero)
 }
 
 fn writes_stencil(pass: &Pass) -> bool {

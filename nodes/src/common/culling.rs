@@ -74,6 +74,13 @@ fn segments_from_eye_miss(frustum: &ViewFrustum, light: DVec4, bounds: &Aabb) ->
 fn near_pyramid_misses(frustum: &ViewFrustum, light: DVec4, bounds: &Aabb) -> bool {
     let corners = frustum.near_corners;
     let middle = corners.iter().sum::<DVec3>() * 0.25;
+    if light.w > 0.0 {
+        let around = Aabb::from_points(corners.into_iter().chain([light.truncate()]));
+        let around = around.expanded(1e-9 * (around.radius() + around.center().length()));
+        if !around.overlaps(bounds) {
+            return true;
+        }
+    }
     let to_light = light.truncate() - middle * light.w;
     let normal = (corners[1] - corners[0]).cross(corners[3] - corners[0]);
     let span = normal.length().sqrt();

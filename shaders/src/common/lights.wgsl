@@ -19,7 +19,13 @@ struct Light {
     pad_0: u32,
 }
 
-@group(0) @binding(2) var<storage, read> lights: array<Light>;
+// A uniform, not a storage buffer: software adapters read storage lane by lane. The larger array is as much as every
+// adapter can bind.
+#if MANY_LIGHTS
+@group(0) @binding(2) var<uniform> lights: array<Light, 1024>;
+#else
+@group(0) @binding(2) var<uniform> lights: array<Light, 16>;
+#endif
 
 // Unit direction towards the light, and its irradiance on a surface facing it, at view-space point `p`.
 struct Illumination {

@@ -1,12 +1,12 @@
 //! Recording one group of passes.
 
-use std::borrow::Cow;
 use std::collections::HashMap;
 
 use wgpu::TextureFormat;
 
 use super::super::bindings::{BindKind, SampleKind};
 use super::super::groups::{PassGroup, place_of};
+use super::super::materials::{FEATURE_FLAGS, features};
 use super::super::meshes::GpuMesh;
 use super::super::pipelines::{Culling, VertexInput, Wanted};
 use super::{Executor, GpuSlot};
@@ -15,6 +15,9 @@ use crate::plan::{
     SlotId, SlotKind, SurfaceStyle,
 };
 use crate::scene::{AlphaMode, Instance, Material, Posed};
+
+/// The flags of surface_shade for what a draw reads, by binding number.
+const READ_FLAGS: [&str; 3] = ["COUNTS", "MASK", "VISIBILITY"];
 
 /// What recording needs to know besides the executor's own stores.
 pub(super) struct Scene<'a> {
@@ -185,10 +188,10 @@ impl Executor {
             (false, false) => Culling::Back,
             (false, true) => Culling::BackMirrored,
         };
-        let shader = match (&draw.shader, surface_shader(style, draw, material)) {
-            (Some(shader), _) => shader.clone(),
-            (None, Some(shader)) => shader,
-            (None, None) => return,
+        let Some(shader) =
+            draw.shader.clone().or_else(|| self.surface_shader(scene, (style, draw), instance, material))
+        else {
+            return;
         };
         let surface = Surface::Mesh { style, masked: is_masked(material), culling };
         self.set_pipeline(scene, shape, pass, draw, &shader, surface, render);
@@ -246,6 +249,37 @@ impl Executor {
         let Self { gpu, layouts, pipelines, frame_layout, materials, .. } = self;
         let pipeline = pipelines.get(gpu, layouts, frame_layout, &materials.layout, &wanted);
         render.set_pipeline(&pipeline);
+    }
+
+    /// The engine's own shader for a surface, composed with what the draw reads and the material has.
+    fn surface_shader(
+        &mut self,
+        scene: &Scene<'_>,
+        (style, draw): (SurfaceStyle, &Draw),
+        instance: &Instance,
+        material: &Material,
+    ) -> Option<Shader> {
+        let features = features(material, &instance.mesh, scene.posed.lights.len());
+        let (name, fragment): (&str, Option<&'static str>) = match style {
+            SurfaceStyle::Depth if is_masked(material) => ("surface_shade", Some("masked_depth")),
+            SurfaceStyle::Depth => ("surface_depth", None),
+            SurfaceStyle::Opaque => ("surface_shade", Some("opaque")),
+            SurfaceStyle::Blended => ("surface_shade", Some("blended")),
+            SurfaceStyle::Pulled => return None,
+        };
+        let read: u32 = draw.bindings.iter().map(|(number, _)| 1 << number).sum();
+        let shader = self.surface_shaders.entry((style, read, features)).or_insert_with(|| {
+            let read_flags = READ_FLAGS.iter().enumerate().filter(|(bit, _)| read >> bit & 1 == 1);
+            let has_flags = FEATURE_FLAGS.iter().enumerate().filter(|(bit, _)| features >> bit & 1 == 1);
+            let flags: Vec<&str> = read_flags.chain(has_flags).map(|(_, flag)| *flag).collect();
+            Some(Shader {
+                name: format!("{name} {}", flags.join(" ")).into(),
+                source: shadowgraph_shaders::compose_named(name, &flags).ok()?.into(),
+                vertex: "vertex".into(),
+                fragment: fragment.map(Into::into),
+            })
+        });
+        shader.clone()
     }
 
     /// Group 1: the mesh's own buffers where the geometry brings them, then the draw's bindings.
@@ -323,28 +357,6 @@ impl Surface {
 
 fn is_masked(material: &Material) -> bool {
     matches!(material.alpha_mode, AlphaMode::Mask { .. })
-}
-
-/// The engine's own shaders for surfaces.
-fn surface_shader(style: SurfaceStyle, draw: &Draw, material: &Material) -> Option<Shader> {
-    let (name, fragment): (&str, Option<&'static str>) = match style {
-        SurfaceStyle::Depth if is_masked(material) => ("surface_shade", Some("masked_depth")),
-        SurfaceStyle::Depth => ("surface_depth", None),
-        SurfaceStyle::Opaque => ("surface_shade", Some("opaque")),
-        SurfaceStyle::Blended => ("surface_shade", Some("blended")),
-        SurfaceStyle::Pulled => return None,
-    };
-    let flags: Vec<&str> = draw
-        .bindings
-        .iter()
-        .filter_map(|(number, _)| ["COUNTS", "MASK", "VISIBILITY"].get(*number as usize).copied())
-        .collect();
-    Some(Shader {
-        name: Cow::Owned(format!("{name} {}", flags.join(" "))),
-        source: shadowgraph_shaders::compose_named(name, &flags).ok()?.into(),
-        vertex: "vertex".into(),
-        fragment: fragment.map(Into::into),
-    })
 }
 
 /// The layout of group 1.

@@ -1,0 +1,163 @@
+//! Argument values: sizes, vectors, lights, floors, techniques.
+
+use std::str::FromStr;
+
+use glam::DVec3;
+use shadowgraph::engine::scene::{ParamValue, Params};
+
+/// `WxH` in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Size(pub(crate) [u32; 2]);
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parsed = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+        match parsed {
+            Some(size) if size.iter().all(|n| *n > 0) => Ok(Self(size)),
+            _ => Err("a size is two whole numbers above 0 joined by x, as in 1280x720".into()),
+        }
+    }
+}
+
+/// `X,Y,Z`.
+pub(crate) fn vector(text: &str) -> Result<DVec3, String> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|n| n.trim().parse().ok()).collect();
+    match numbers[..] {
+        [x, y, z] if text.split(',').count() == 3 && DVec3::new(x, y, z).is_finite() => {
+            Ok(DVec3::new(x, y, z))
+        }
+        _ => Err(format!(
+            "'{text}' is no vector; accepted: three finite numbers joined by commas, as in 1,2.5,-3"
+        )),
+    }
+}
+
+/// A light from the command line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum LightArg {
+    Point { position: DVec3 },
+    Directional { direction: DVec3 },
+    Spot { position: DVec3, direction: DVec3, outer_rad: f64 },
+}
+
+impl FromStr for LightArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let direction = |text: &str| {
+            vector(text)
+                .and_then(|d| d.try_normalize().ok_or_else(|| "a direction must not be zero".to_owned()))
+        };
+        match text.split(':').collect::<Vec<_>>()[..] {
+            ["point", position] => Ok(Self::Point { position: vector(position)? }),
+            ["directional", travel] => Ok(Self::Directional { direction: direction(travel)? }),
+            ["spot", position, travel, degrees] => {
+                let outer: f64 =
+                    degrees.parse().map_err(|_| format!("'{degrees}' is no angle in degrees"))?;
+                if !(outer > 0.0 && outer <= 90.0) {
+                    return Err(format!(
+                        "a spot's cone opens from above 0 to 90 degrees to each side, not {outer}"
+                    ));
+                }
+                let outer_rad = outer.to_radians();
+                Ok(Self::Spot { position: vector(position)?, direction: direction(travel)?, outer_rad })
+            }
+            _ => Err("accepted: point:X,Y,Z, directional:X,Y,Z (the way the light travels) or \
+                      spot:X,Y,Z:DX,DY,DZ:DEG (half the opening angle)"
+                .into()),
+        }
+    }
+}
+
+/// `Y:HALF_SIZE`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Floor {
+    pub(crate) y_m: f64,
+    pub(crate) half_size_m: f64,
+}
+
+impl FromStr for Floor {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parsed = text.split_once(':').and_then(|(y, half)| Some((y.parse().ok()?, half.parse().ok()?)));
+        match parsed {
+            Some((y_m, half_size_m)) if f64::is_finite(y_m) && half_size_m > 0.0 && half_size_m < 1e18 => {
+                Ok(Self { y_m, half_size_m })
+            }
+            _ => Err("a floor is its height and half its side in metres, as in 0:12".into()),
+        }
+    }
+}
+
+/// `NAME[:key=value,..]`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct TechniqueArg {
+    pub(crate) name: String,
+    pub(crate) params: Params,
+}
+
+impl FromStr for TechniqueArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, options) = text.split_once(':').unwrap_or((text, ""));
+        let mut params = Params::new();
+        for option in options.split(',').filter(|option| !option.is_empty()) {
+            let (key, value) = option.split_once('=').ok_or_else(|| {
+                format!("'{option}' is no option; accepted: key=value, several joined by commas")
+            })?;
+            params.insert(key.into(), param_value(value));
+        }
+        Ok(Self { name: name.into(), params })
+    }
+}
+
+/// Numbers and yes or no are told from words by their looks; numbers joined by `/` are a list.
+fn param_value(text: &str) -> ParamValue {
+    if let Ok(number) = text.parse::<f64>()
+        && number.is_finite()
+    {
+        return ParamValue::Number(number);
+    }
+    if let Ok(flag) = text.parse() {
+        return ParamValue::Flag(flag);
+    }
+    let numbers: Option<Vec<f64>> = text.split('/').map(|n| n.parse().ok()).collect();
+    match numbers {
+        Some(numbers) if numbers.len() > 1 => ParamValue::Numbers(numbers),
+        _ => ParamValue::Text(text.into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn good_values_parse() {
+        assert_eq!("640x360".parse::<Size>().unwrap().0, [640, 360]);
+        assert_eq!(vector("1,-2.5,3e1").unwrap(), DVec3::new(1.0, -2.5, 30.0));
+        assert!(matches!("point:1,2,3".parse(), Ok(LightArg::Point { .. })));
+        assert!(matches!("spot:1,2,3:0,-1,0:30".parse(), Ok(LightArg::Spot { .. })));
+        let technique: TechniqueArg = "soft:radius=0.5,quality=wedge,color=1/0.5/0".parse().unwrap();
+        assert_eq!(technique.params["radius"], ParamValue::Number(0.5));
+        assert_eq!(technique.params["color"], ParamValue::Numbers(vec![1.0, 0.5, 0.0]));
+    }
+
+    #[test]
+    fn bad_values_say_what_is_accepted() {
+        assert!("640".parse::<Size>().unwrap_err().contains("1280x720"));
+        assert!("0x5".parse::<Size>().is_err());
+        for text in ["1,2", "1,2,x", "1,2,3,4", "1,2,nan", ""] {
+            assert!(vector(text).is_err(), "{text}");
+        }
+        for text in ["lamp:1,2,3", "directional:0,0,0", "spot:1,2,3:0,1,0:120", "point"] {
+            assert!(text.parse::<LightArg>().is_err(), "{text}");
+        }
+        assert!("0:-1".parse::<Floor>().is_err());
+        assert!("hard:depthTest".parse::<TechniqueArg>().is_err());
+    }
+}

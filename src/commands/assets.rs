@@ -1,0 +1,26 @@
+//! `shadowgraph assets`: the demo scenes as files.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use shadowgraph::demo;
+use shadowgraph::engine::gltf;
+
+use super::{Failure, files};
+
+/// The arguments of `assets`.
+#[derive(Debug, Args)]
+pub(crate) struct AssetsArgs {
+    /// Where the .glb files go.
+    folder: PathBuf,
+}
+
+pub(crate) fn run(args: &AssetsArgs) -> Result<(), Failure> {
+    files::make_folder(&args.folder)?;
+    for (name, shows, scene) in demo::all() {
+        let path = args.folder.join(format!("{name}.glb"));
+        gltf::save(&scene, &path)?;
+        println!("{}: {shows}", path.display());
+    }
+    Ok(())
+}

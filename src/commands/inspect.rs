@@ -1,0 +1,123 @@
+//! `shadowgraph inspect`: what a scene is made of, and what a frame of it would do. Needs no GPU.
+
+use clap::Args;
+use shadowgraph::engine::manager::{Adapter, plan_frame};
+use shadowgraph::engine::scene::{NodeKey, Posed};
+use shadowgraph::engine::shadow::{Cache, Registry};
+use shadowgraph::prelude::*;
+
+use super::Failure;
+use super::scenes::{SceneArgs, catalog};
+
+/// The arguments of `inspect`.
+#[derive(Debug, Args)]
+pub(crate) struct InspectArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+}
+
+pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
+    let (scene, camera) = args.scene.prepare()?;
+    let posed = scene.pose().map_err(RenderError::from)?;
+    println!("nodes");
+    for root in scene.roots() {
+        print_node(&scene, *root, 1);
+    }
+    print_casters(&posed);
+    let registry = Registry::collect(&posed, &catalog()).map_err(RenderError::from)?;
+    print_claims(&posed, &registry);
+    let request = FrameRequest::new(camera, args.scene.size.0);
+    let plan = plan_frame(&posed, &registry, &request, &Adapter::imagined(), &mut Cache::new())
+        .map_err(RenderError::from)?;
+    println!("{plan}");
+    Ok(())
+}
+
+fn print_node(scene: &Scene, key: NodeKey, depth: usize) {
+    let Some(node) = scene.node(key) else { return };
+    let what = match &node.content {
+        Content::Group => "group".to_owned(),
+        Content::Mesh(content) => scene.mesh(content.mesh).map_or_else(String::new, |mesh| {
+            let materials: Vec<&str> = content
+                .materials
+                .iter()
+                .filter_map(|m| scene.material(*m))
+                .map(|m| m.name.as_str())
+                .collect();
+            format!("mesh '{}', {} triangles, materials {materials:?}", mesh.name(), mesh.triangle_count())
+        }),
+        Content::Light(light) => scene.light(*light).map_or_else(String::new, |light| {
+            let range = light.range_m.map_or(String::new(), |m| format!(", range {m} m"));
+            format!("light {:?}, intensity {}{range}", light.kind, light.intensity)
+        }),
+        Content::Camera(camera) => {
+            scene.camera(*camera).map_or_else(String::new, |camera| format!("camera {:?}", camera.projection))
+        }
+        Content::Shadow(shadow) => scene.shadow(*shadow).map_or_else(String::new, |shadow| {
+            let scope = |scope: &Scope| match scope {
+                Scope::All => "all".to_owned(),
+                Scope::Nodes(nodes) => {
+                    let names = nodes.iter().filter_map(|n| scene.node(*n)).map(|n| n.name.as_str());
+                    names.collect::<Vec<_>>().join(" ")
+                }
+            };
+            format!(
+                "shadow {} {:?}, lights: {}, casters: {}",
+                shadow.technique,
+                shadow.params,
+                scope(&shadow.lights),
+                scope(&shadow.casters)
+            )
+        }),
+    };
+    println!("{:indent$}'{}' {what}", "", node.name, indent = depth * 2);
+    for child in node.children() {
+        print_node(scene, *child, depth + 1);
+    }
+}
+
+fn print_casters(posed: &Posed) {
+    println!("casters");
+    for instance in &posed.instances {
+        let closedness = instance.mesh.topology().closedness();
+        let solid = instance.mesh.topology().orientation(&instance.world_from_local).is_some();
+        let kind = if solid { "closed" } else { "open" };
+        let alpha = match (instance.is_opaque(), instance.is_masked()) {
+            (false, _) => "; has blended or transmissive parts, which cast only through a coloured technique",
+            (true, true) => "; has alpha-masked parts",
+            (true, false) => "",
+        };
+        println!(
+            "  '{}' {kind}: {} boundary, {} non-manifold, {} inconsistent edges, {} degenerate triangles, \
+             {} components, signed volume {:.4e} m3{alpha}",
+            instance.name,
+            closedness.boundary_edges,
+            closedness.non_manifold_edges,
+            closedness.inconsistent_edges,
+            closedness.degenerate_triangles,
+            closedness.components,
+            closedness.signed_volume
+        );
+    }
+}
+
+fn print_claims(posed: &Posed, registry: &Registry) {
+    println!("lights");
+    for (light, claims) in posed.lights.iter().zip(&registry.lights) {
+        if claims.is_empty() {
+            println!("  '{}' casts no shadow", light.name);
+        }
+        for claim in claims {
+            let technique = &claim.technique;
+            println!(
+                "  '{}' from '{}': {} {:?}, {} casters; known error: {}",
+                light.name,
+                claim.node,
+                technique.type_name(),
+                technique.params(),
+                claim.casters.len(),
+                technique.known_error()
+            );
+        }
+    }
+}

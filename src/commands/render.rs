@@ -1,0 +1,216 @@
+//! `shadowgraph render`: a picture, its shadows' factors, their error and the time it takes.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::{Map, Value, json};
+use shadowgraph::engine::manager::Frame;
+use shadowgraph::measure::{ErrorTable, Evaluation, LightError, evaluate, measured, pictures};
+use shadowgraph::prelude::*;
+
+use super::scenes::{SceneArgs, catalog};
+use super::timing::{Spread, Timed, time_frames};
+use super::{Failure, files, other};
+
+/// The arguments of `render`.
+#[derive(Debug, Args)]
+pub(crate) struct RenderArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Where the picture goes, as PNG.
+    #[arg(short, long, value_name = "OUT.png")]
+    output: PathBuf,
+    /// Writes each light's linear factor at the first hit to DIR/<light>.exr, NaN where nothing is hit.
+    #[arg(long, value_name = "DIR")]
+    visibility: Option<PathBuf>,
+    /// Compares every shadowed light with the exact reference and prints the error.
+    #[arg(long)]
+    error: bool,
+    /// Times this many frames after a warm-up.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    frames: Option<u32>,
+    /// Writes everything measured as JSON.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// The adapter whose name contains this.
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+}
+
+/// Opens the adapter that was asked for and says which one it is.
+pub(crate) fn open(adapter: Option<&str>) -> Result<Renderer, Failure> {
+    let choice = adapter.map_or(AdapterChoice::Auto, |name| AdapterChoice::Named(name.into()));
+    let gpu = Gpu::open(&choice).map_err(RenderError::from)?;
+    eprintln!("adapter: {}", gpu.name());
+    Ok(Renderer::new(gpu, catalog()))
+}
+
+pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    let (scene, camera) = args.scene.prepare()?;
+    let mut renderer = open(args.adapter.as_deref())?;
+    let mut request = FrameRequest::new(camera, args.scene.size.0);
+    request.factors = args.visibility.is_some();
+    let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
+    let frame = renderer.render(&scene, &request, &options)?;
+
+    let timed = match args.frames {
+        Some(frames) => {
+            let unasked = FrameRequest { factors: false, ..request.clone() };
+            Some(time_frames(&mut renderer, &scene, &unasked, frames as usize)?)
+        }
+        None => None,
+    };
+    let evaluation = if args.error { Some(with_progress(&mut renderer, &scene, &request)?) } else { None };
+
+    // Everything is computed; now it is written.
+    if let Some(folder) = &args.visibility {
+        write_factors(folder, &frame, request.size_px)?;
+    }
+    if let Some(path) = &args.json {
+        let errors = evaluation.as_ref().map_or(&[][..], |e| &e.errors);
+        let report = report(renderer.gpu(), &frame, timed.as_ref(), errors, args.frames);
+        let text = serde_json::to_string_pretty(&report).map_err(other)?;
+        files::write_whole(path, format!("{text}\n").as_bytes())?;
+    }
+    if let Some(picture) = &frame.picture {
+        files::write_png(&args.output, picture)?;
+    }
+    if let Some(timed) = &timed {
+        print_times(&frame, timed);
+    }
+    if let Some(evaluation) = &evaluation {
+        println!("{}", ErrorTable(&evaluation.errors));
+    }
+    Ok(())
+}
+
+/// Evaluates behind a progress bar.
+pub(crate) fn with_progress(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    request: &FrameRequest,
+) -> Result<Evaluation, Failure> {
+    let bar = ProgressBar::new(u64::from(request.size_px[1]));
+    if let Ok(style) = ProgressStyle::with_template("reference {bar:40} {percent:>3} % {eta:>4} left") {
+        bar.set_style(style);
+    }
+    let evaluation = evaluate(renderer, scene, request, &|done, all| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+    });
+    bar.finish_and_clear();
+    Ok(evaluation?)
+}
+
+fn write_factors(folder: &Path, frame: &Frame, size_px: [u32; 2]) -> Result<(), Failure> {
+    files::make_folder(folder)?;
+    let measured = measured(frame, size_px)?;
+    for light in &frame.plan.lights {
+        let image = measured.lights.iter().find(|(name, _)| *name == light.name);
+        // A light without shadow node shines everywhere.
+        let lit = || measured.ids.iter().map(|id| if id[0] == u32::MAX { f32::NAN } else { 1.0 }).collect();
+        let factor = image.map_or_else(lit, |(_, factor)| factor.clone());
+        pictures::write_factor(&folder.join(format!("{}.exr", light.name)), size_px, &factor)
+            .map_err(other)?;
+    }
+    Ok(())
+}
+
+fn print_times(frame: &Frame, timed: &Timed) {
+    let spread =
+        |s: &Spread| format!("median {:.3} ms, min {:.3}, max {:.3}", s.median_ms, s.min_ms, s.max_ms);
+    println!("frame, wall clock: {}", spread(&timed.wall));
+    if let Some(gpu) = &timed.gpu {
+        println!("frame, GPU clock: {}", spread(gpu));
+    }
+    for (pass, ms) in frame.plan.passes.iter().zip(&timed.pass_ms) {
+        let ms = ms.map_or("-".into(), |ms| format!("{ms:.3}"));
+        println!("  {ms:>9} ms  {}", pass.name);
+    }
+}
+
+fn report(
+    gpu: &Gpu,
+    frame: &Frame,
+    timed: Option<&Timed>,
+    errors: &[LightError],
+    frames: Option<u32>,
+) -> Value {
+    let spread = |s: &Spread| json!({ "median_ms": s.median_ms, "min_ms": s.min_ms, "max_ms": s.max_ms });
+    let passes: Vec<Value> = frame
+        .plan
+        .passes
+        .iter()
+        .enumerate()
+        .map(|(index, pass)| {
+            let vertices: u64 = pass.draws.iter().map(|draw| draw.vertices()).sum();
+            json!({
+                "name": pass.name,
+                "reason": pass.reason,
+                "draws": pass.draws.len(),
+                "vertices": vertices,
+                "gpu_ms": timed.and_then(|timed| timed.pass_ms.get(index).copied().flatten()),
+            })
+        })
+        .collect();
+    let lights: Vec<Value> = frame
+        .plan
+        .lights
+        .iter()
+        .map(|light| {
+            let mut entry = Map::new();
+            entry.insert("name".into(), json!(light.name));
+            let technique =
+                if light.techniques.is_empty() { "none".into() } else { light.techniques.join(" + ") };
+            entry.insert("technique".into(), json!(technique));
+            if let Some(error) = errors.iter().find(|error| error.name == light.name) {
+                entry.insert("error".into(), error_json(error));
+            }
+            Value::Object(entry)
+        })
+        .collect();
+    let mut report = json!({
+        "adapter": gpu.name(),
+        "size_px": frame.plan.size_px,
+        "passes": passes,
+        "gpu_bytes": frame.gpu_bytes,
+        "plan_bytes": frame.plan.bytes(),
+        "lights": lights,
+    });
+    if let Some(timed) = timed {
+        let mut times = spread(&timed.wall);
+        times["count"] = json!(frames);
+        times["wall"] = spread(&timed.wall);
+        times["gpu"] = timed.gpu.as_ref().map_or(Value::Null, spread);
+        report["frames"] = times;
+    }
+    report
+}
+
+fn error_json(error: &LightError) -> Value {
+    json!({
+        "compared": error.compared,
+        "different_triangle": error.different_triangle,
+        "boundary_pixels": error.boundary_pixels,
+        "band_pixels": error.band_pixels,
+        "wrong": error.wrong,
+        "leak": error.leak,
+        "false": error.false_shadow,
+        "wrong_outside_band": error.wrong_outside_band,
+        "leak_outside_band": error.leak_outside_band,
+        "false_outside_band": error.false_outside_band,
+        "rmse": error.rmse,
+        "signed_mean": error.signed_mean,
+        "p99": error.p99,
+        "max": error.max,
+        "boundary_distance_mean_px": finite(error.boundary_distance_mean_px),
+        "boundary_distance_max_px": finite(error.boundary_distance_max_px),
+        "exact": error.passes(),
+    })
+}
+
+/// JSON has no infinity.
+fn finite(value: f64) -> Value {
+    if value.is_finite() { json!(value) } else { Value::Null }
+}

@@ -1,0 +1,232 @@
+//! The scene a command works on: loaded, then changed as the arguments say.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use glam::{DAffine3, DVec3};
+use shadowgraph::engine::gltf::{LoadOptions, ShadowTypes, load_with};
+use shadowgraph::engine::math::Projection;
+use shadowgraph::engine::scene::look_at;
+use shadowgraph::engine::shadow::Catalog;
+use shadowgraph::measure::ReferenceShadow;
+use shadowgraph::prelude::*;
+
+use super::args::{Floor, LightArg, Size, TechniqueArg, vector};
+use super::{Failure, other};
+
+/// What every command that looks at a scene accepts.
+#[derive(Debug, Args)]
+pub(crate) struct SceneArgs {
+    /// A .gltf or .glb file.
+    pub(crate) scene: PathBuf,
+    /// Width and height in pixels.
+    #[arg(long, default_value = "1280x720", value_name = "WxH")]
+    pub(crate) size: Size,
+    /// The camera of this name instead of the first.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) camera: Option<String>,
+    /// Where the eye is, instead of the scene's camera.
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, requires = "target", conflicts_with = "camera")]
+    pub(crate) eye: Option<DVec3>,
+    /// What it looks at.
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, requires = "eye")]
+    pub(crate) target: Option<DVec3>,
+    /// The vertical field of view of that eye, in degrees.
+    #[arg(long, value_name = "DEG", default_value_t = 45.0)]
+    pub(crate) fov_y: f64,
+    /// One node of this technique over all lights and meshes, instead of the scene's own; `none` for no shadows.
+    #[arg(long, value_name = "NAME[:key=value,..]")]
+    pub(crate) technique: Option<TechniqueArg>,
+    /// A light instead of the scene's: point:X,Y,Z, directional:X,Y,Z or spot:X,Y,Z:DX,DY,DZ:DEG; repeatable.
+    #[arg(long = "light", value_name = "LIGHT", allow_hyphen_values = true)]
+    pub(crate) lights: Vec<LightArg>,
+    /// Adds a square, matt, light-grey receiver that casts nothing.
+    #[arg(long, value_name = "Y:HALF_SIZE", allow_hyphen_values = true)]
+    pub(crate) floor: Option<Floor>,
+}
+
+/// Every technique the command line knows: those of the project, and the reference as one more.
+pub(crate) fn catalog() -> Catalog {
+    let mut catalog = shadowgraph::nodes::catalog();
+    catalog.register(ReferenceShadow::ENTRY);
+    catalog
+}
+
+struct KnownTypes(Catalog);
+
+impl ShadowTypes for KnownTypes {
+    fn check(&self, node: &ShadowNode) -> Result<(), String> {
+        self.0.technique("", node).map(|_| ()).map_err(|error| error.to_string())
+    }
+}
+
+/// Loads `path`, checking its shadow nodes; warnings go to stderr.
+pub(crate) fn load(path: &Path) -> Result<Scene, Failure> {
+    let types = KnownTypes(catalog());
+    let options = LoadOptions { shadow_types: Some(&types), ..LoadOptions::default() };
+    let loaded = load_with(path, &options)?;
+    loaded.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    Ok(loaded.scene)
+}
+
+impl SceneArgs {
+    /// The scene with everything the arguments change, and the camera.
+    pub(crate) fn prepare(&self) -> Result<(Scene, PosedCamera), Failure> {
+        let mut scene = load(&self.scene)?;
+        if scene.meshes().next().is_none() && self.floor.is_none() {
+            return Err(Failure::Other(format!(
+                "'{}' has no mesh: there is nothing to see",
+                self.scene.display()
+            )));
+        }
+        if let Some(floor) = &self.floor {
+            add_floor(&mut scene, floor)?;
+        }
+        if let Some(technique) = &self.technique {
+            replace_shadows(&mut scene, technique)?;
+        }
+        if !self.lights.is_empty() {
+            replace_lights(&mut scene, &self.lights)?;
+        } else if scene.pose().map_err(RenderError::from)?.lights.is_empty() {
+            let direction = DVec3::new(-0.5, -1.0, -0.35).normalize();
+            eprintln!("note: the scene has no light; lit by directional:{direction:.3}");
+            replace_lights(&mut scene, &[LightArg::Directional { direction }])?;
+        }
+        let camera = self.camera(&scene)?;
+        Ok((scene, camera))
+    }
+
+    fn camera(&self, scene: &Scene) -> Result<PosedCamera, Failure> {
+        let fov_y_rad = self.fov_y.to_radians();
+        if !(self.fov_y > 0.0 && self.fov_y < 180.0) {
+            return Err(Failure::Usage(format!(
+                "--fov-y is {}, accepted: above 0 and below 180",
+                self.fov_y
+            )));
+        }
+        if let (Some(eye), Some(target)) = (self.eye, self.target) {
+            if eye == target {
+                return Err(Failure::Usage("--eye and --target are the same point".into()));
+            }
+            return Ok(PosedCamera::looking(Camera::perspective("eye", fov_y_rad), eye, target));
+        }
+        let posed = scene.pose().map_err(RenderError::from)?;
+        let names = || posed.cameras.iter().map(|c| format!("'{}'", c.name)).collect::<Vec<_>>().join(", ");
+        match &self.camera {
+            Some(name) => {
+                posed.cameras.iter().find(|camera| camera.name == *name).cloned().ok_or_else(|| {
+                    Failure::Usage(format!("no camera is called '{name}' (there are: {})", names()))
+                })
+            }
+            None => Ok(posed.cameras.first().cloned().unwrap_or_else(|| {
+                let camera = framed(&posed.world_bounds, fov_y_rad, self.size.0);
+                let eye = camera.world_from_view.translation;
+                eprintln!(
+                    "note: the scene has no camera; framed from {:.3},{:.3},{:.3}",
+                    eye.x, eye.y, eye.z
+                );
+                camera
+            })),
+        }
+    }
+}
+
+/// A camera from the front, a little above and beside, that has everything in view.
+pub(crate) fn framed(
+    bounds: &shadowgraph::engine::math::Aabb,
+    fov_y_rad: f64,
+    size_px: [u32; 2],
+) -> PosedCamera {
+    let aspect = f64::from(size_px[0]) / f64::from(size_px[1]);
+    let half_angle = (fov_y_rad * 0.5).min(((fov_y_rad * 0.5).tan() * aspect).atan());
+    let radius_m = bounds.radius().max(1e-9);
+    let distance_m = radius_m / half_angle.sin();
+    let target = bounds.center();
+    let eye = target + DVec3::new(0.45, 0.4, 1.0).normalize() * distance_m;
+    let near_m = (distance_m * 0.01).min(0.1);
+    PosedCamera {
+        key: None,
+        name: "framed".into(),
+        world_from_view: look_at(eye, target),
+        projection: Projection::Perspective { fov_y_rad, near_m },
+    }
+}
+
+fn add_floor(scene: &mut Scene, floor: &Floor) -> Result<(), Failure> {
+    let data = shapes::plane(glam::Vec2::splat(floor.half_size_m as f32)).named("floor");
+    let mesh = Mesh::new(data).map_err(other)?;
+    let material = Material::matt("floor", Vec3::splat(0.7));
+    let at = DAffine3::from_translation(DVec3::Y * floor.y_m);
+    let key = scene.add_mesh(mesh, material, at);
+    if let Some(node) = scene.node_mut(key)
+        && let Content::Mesh(content) = &mut node.content
+    {
+        content.shadow.casts = false;
+    }
+    Ok(())
+}
+
+/// Takes the scene's shadow nodes out, and puts one of `technique` in.
+fn replace_shadows(scene: &mut Scene, technique: &TechniqueArg) -> Result<(), Failure> {
+    clear_contents(scene, |content| matches!(content, Content::Shadow(_)));
+    if technique.name == "none" {
+        return Ok(());
+    }
+    let catalog = catalog();
+    let entry = catalog.find(&technique.name).ok_or_else(|| {
+        let names: Vec<&str> = catalog.entries().iter().map(|entry| entry.short_name).collect();
+        Failure::Usage(format!(
+            "no technique is called '{}' (there are: none, {})",
+            technique.name,
+            names.join(", ")
+        ))
+    })?;
+    (entry.from_params)(&technique.params).map_err(|error| Failure::Usage(error.to_string()))?;
+    let mut node = ShadowNode::new(entry.type_name);
+    node.params = technique.params.clone();
+    scene.add_shadow(entry.short_name, node);
+    Ok(())
+}
+
+/// Takes the scene's lights out and puts `lights` in: white, each as bright as the others at the scene's middle.
+fn replace_lights(scene: &mut Scene, lights: &[LightArg]) -> Result<(), Failure> {
+    clear_contents(scene, |content| matches!(content, Content::Light(_)));
+    let bounds = scene.pose().map_err(RenderError::from)?.world_bounds;
+    let candela = |position: DVec3| {
+        let distance_m = position.distance(bounds.center()).max(bounds.radius() * 0.5).max(1e-9);
+        (3.0 * distance_m * distance_m) as f32
+    };
+    for (index, light) in lights.iter().enumerate() {
+        let name = format!("light{index}");
+        match *light {
+            LightArg::Point { position } => {
+                scene.add_light(Light::point(&name, candela(position)), position, position + DVec3::NEG_Z)
+            }
+            LightArg::Directional { direction } => {
+                scene.add_light(Light::directional(&name, 3.0), DVec3::ZERO, direction)
+            }
+            LightArg::Spot { position, direction, outer_rad } => {
+                let light = Light::spot(&name, candela(position), outer_rad);
+                scene.add_light(light, position, position + direction)
+            }
+        };
+    }
+    // Shadow nodes that named lights of the scene now serve those that took their place.
+    let shadows: Vec<_> = scene.shadows().map(|(key, _)| key).collect();
+    for key in shadows {
+        if let Some(shadow) = scene.shadow_mut(key) {
+            shadow.lights = Scope::All;
+        }
+    }
+    Ok(())
+}
+
+fn clear_contents(scene: &mut Scene, unwanted: impl Fn(&Content) -> bool) {
+    let keys: Vec<_> =
+        scene.nodes().filter(|(_, node)| unwanted(&node.content)).map(|(key, _)| key).collect();
+    for key in keys {
+        if let Some(node) = scene.node_mut(key) {
+            node.content = Content::Group;
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Every shader of the project, in every combination of flags, composes, parses and validates without a device.
+
+use std::collections::BTreeSet;
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+/// Flags that exclude each other: the factor of a light is in one place.
+const EXCLUSIVE: &[(&str, [&str; 2])] = &[("surface_factor", ["COUNTS", "VISIBILITY"])];
+
+/// What plans, and the engine's own styles, ask of each module: at least these flags and entry points must be there.
+const USED: &[(&str, &[&str], &[&str])] = &[
+    ("nothing", &[], &["nothing"]),
+    ("resolve_mask", &[], &["fullscreen_vertex", "mark", "darken"]),
+    ("shadow_volume_hard", &[], &["vertex", "fullscreen_vertex"]),
+    ("surface_depth", &[], &["vertex"]),
+    ("surface_factor", &["COUNTS", "VISIBILITY"], &["vertex", "factor"]),
+    ("surface_measure", &[], &["vertex", "visible_triangle"]),
+    ("surface_shade", SHADE_FLAGS, &["vertex", "opaque", "blended", "masked_depth"]),
+];
+
+const SHADE_FLAGS: &[&str] = &[
+    "BASE_COLOR_TEXTURE",
+    "COUNTS",
+    "EMISSIVE_TEXTURE",
+    "MANY_LIGHTS",
+    "MASK",
+    "MASKED",
+    "METALLIC_ROUGHNESS_TEXTURE",
+    "NORMAL_TEXTURE",
+    "OCCLUSION_TEXTURE",
+    "UNLIT",
+    "VERTEX_COLOR",
+    "VISIBILITY",
+];
+
+fn directives(name: &str, directive: &str) -> BTreeSet<String> {
+    let source = shadowgraph_shaders::source(name).unwrap_or_else(|| panic!("there is no module '{name}'"));
+    let lines = source.lines().filter_map(|line| line.trim().strip_prefix(directive));
+    lines.map(|rest| rest.trim().to_owned()).collect()
+}
+
+/// The flags that change what a module composes to, those of its imports included.
+fn flags_of(name: &str) -> BTreeSet<String> {
+    let mut flags = directives(name, "#if ");
+    for import in directives(name, "#import ") {
+        flags.extend(flags_of(&import));
+    }
+    flags
+}
+
+/// Every set of flags that a module may be composed with.
+fn combinations(name: &str) -> Vec<Vec<String>> {
+    let flags: Vec<String> = flags_of(name).into_iter().collect();
+    let subsets = (0..1_usize << flags.len()).map(|set| {
+        let chosen = flags.iter().enumerate().filter(|(bit, _)| set >> bit & 1 == 1);
+        chosen.map(|(_, flag)| flag.clone()).collect::<Vec<_>>()
+    });
+    let excluded = |set: &Vec<String>| {
+        EXCLUSIVE.iter().any(|(module, pair)| {
+            *module == name && pair.iter().all(|flag| set.iter().any(|chosen| chosen == flag))
+        })
+    };
+    subsets.filter(|set| !excluded(set)).collect()
+}
+
+/// Validates with no optional feature at all: whatever runs wgpu runs these.
+fn validate(text: &str) -> Result<naga::Module, String> {
+    let module = naga::front::wgsl::parse_str(text).map_err(|error| error.emit_to_string(text))?;
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+    validator.validate(&module).map_err(|error| error.emit_to_string(text))?;
+    Ok(module)
+}
+
+#[test]
+fn every_module_validates_with_every_flag() {
+    let mut checked = 0;
+    for name in shadowgraph_shaders::names() {
+        for flags in combinations(name) {
+            let flags: Vec<&str> = flags.iter().map(String::as_str).collect();
+            let text = shadowgraph_shaders::compose_named(name, &flags).expect("it composes");
+            assert!(!text.contains("\n#"), "{name} {flags:?} keeps a directive");
+            if let Err(error) = validate(&text) {
+                panic!("{name} {flags:?}:\n{error}");
+            }
+            checked += 1;
+        }
+    }
+    // 8 ways to shade, 3 to measure a factor, and every other module once at least.
+    assert!(checked >= 8 + 3 + 8, "only {checked} texts were checked");
+}
+
+#[test]
+fn the_check_can_fail() {
+    assert!(validate("fn f() -> f32 { return 1u; }").is_err());
+    assert!(validate("fn f() {").is_err());
+    let both = shadowgraph_shaders::compose_named("surface_factor", &["COUNTS", "VISIBILITY"]);
+    assert!(
+        validate(&both.expect("it composes")).is_err(),
+        "these flags share a binding: is the list of exclusions stale?"
+    );
+}
+
+#[test]
+fn every_import_is_known() {
+    let known: BTreeSet<String> = shadowgraph_shaders::names().map(str::to_owned).collect();
+    let mut imports = 0;
+    for name in &known {
+        for import in directives(name, "#import ") {
+            assert!(known.contains(&import), "'{name}' imports '{import}', known are {known:?}");
+            imports += 1;
+        }
+    }
+    assert!(imports > 0);
+}
+
+#[test]
+fn modules_have_the_flags_and_entry_points_the_engine_names() {
+    for (name, flags, entry_points) in USED {
+        let has: BTreeSet<String> = flags_of(name);
+        let wants: BTreeSet<String> = flags.iter().map(|flag| (*flag).to_owned()).collect();
+        assert!(has.is_superset(&wants), "'{name}' has the flags {has:?}, the engine uses {wants:?}");
+        for flags in combinations(name) {
+            let flags: Vec<&str> = flags.iter().map(String::as_str).collect();
+            let text = shadowgraph_shaders::compose_named(name, &flags).expect("it composes");
+            let module = validate(&text).expect("validated above");
+            for wanted in *entry_points {
+                assert!(
+                    module.entry_points.iter().any(|entry| entry.name == *wanted),
+                    "'{name}' {flags:?} has no entry point '{wanted}'"
+                );
+            }
+        }
+    }
+}
