@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let plaster = Material::matt("plaster", Vec3::new(0.72, 0.68, 0.62));
     let brick = Material::matt("brick", Vec3::new(0.62, 0.2, 0.12));
     let leaf = Material::matt("leaf", Vec3::new(0.2, 0.36, 0.16));
-    let floor = Mesh::new(shapes::plane(Vec2::splat(12.0)))?;
+    let floor = Mesh::new(shapes::plane(Vec2::splat(40.0)))?;
     let knot = Mesh::new(shapes::torus_knot([2, 3], 0.62, 0.17, [320, 24]))?;
     let stand = Mesh::new(shapes::cuboid(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 0.7, 0.5)))?;
     let ball = Mesh::new(shapes::icosphere(0.4, 5))?;
@@ -33,5 +33,5 @@ fn main() -> Result<(), Box<dyn Error>> {
     let camera = Camera::perspective("eye", 0.62);
     let camera = PosedCamera::looking(camera, DVec3::new(1.6, 3.0, 6.6), DVec3::new(0.35, 0.85, 0.0));
     let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
-    common::picture(&mut renderer, &scene, &camera, "01_first_shadow")
+    common::picture(&mut renderer, &scene, &camera, Exposure::Fixed(1.6), "01_first_shadow")
 }

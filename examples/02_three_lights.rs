@@ -52,5 +52,5 @@ fn main() -> Result<(), Box<dyn Error>> {
     let camera = Camera::perspective("eye", 0.62);
     let camera = PosedCamera::looking(camera, DVec3::new(0.6, 5.2, 7.4), DVec3::new(0.1, 0.1, 0.2));
     let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
-    common::picture(&mut renderer, &scene, &camera, "02_three_lights")
+    common::picture(&mut renderer, &scene, &camera, Exposure::Fixed(1.4), "02_three_lights")
 }

@@ -40,22 +40,22 @@ fn main() -> Result<(), Box<dyn Error>> {
     let ball = shapes::icosphere(0.42, 5).moved(Vec3::Y * 0.42);
     let cube = shapes::cuboid(Vec3::new(-0.36, 0.0, -0.36), Vec3::new(0.36, 0.85, 0.36));
     let pyramid = shapes::cone(0.5, 0.9, 4, Ends::Closed).flat_shaded();
-    let balls = row(&mut scene, "balls", ball, Vec3::new(0.8, 0.36, 0.2), 1.7)?;
+    let balls = row(&mut scene, "balls", ball, Vec3::new(0.8, 0.36, 0.2), 2.0)?;
     let boxes = row(&mut scene, "boxes", cube, Vec3::new(0.25, 0.42, 0.75), 0.0)?;
-    row(&mut scene, "pyramids", pyramid, Vec3::splat(0.6), -1.7)?;
+    row(&mut scene, "pyramids", pyramid, Vec3::splat(0.6), -2.0)?;
 
     let warm = Light::point("warm", 45.0).with_color(Vec3::new(1.0, 0.6, 0.25));
-    let warm = scene.add_light(warm, DVec3::new(-5.0, 4.0, 2.0), DVec3::ZERO);
+    let warm = scene.add_light(warm, DVec3::new(-4.6, 4.6, 1.5), DVec3::ZERO);
     let cool = Light::point("cool", 45.0).with_color(Vec3::new(0.25, 0.5, 1.0));
-    let cool = scene.add_light(cool, DVec3::new(5.0, 4.0, 2.0), DVec3::ZERO);
+    let cool = scene.add_light(cool, DVec3::new(4.6, 4.6, 1.5), DVec3::ZERO);
 
     // A scope names nodes of the graph and stands for everything under them.
     let hard = || ShadowNode::from(ShadowVolumeHard::default());
     scene.add_shadow("balls from the warm lamp", hard().with_lights([warm]).with_casters([balls]));
     scene.add_shadow("boxes from the cool lamp", hard().with_lights([cool]).with_casters([boxes]));
 
-    let camera = Camera::perspective("eye", 0.62);
-    let camera = PosedCamera::looking(camera, DVec3::new(0.0, 5.0, 7.6), DVec3::new(0.0, 0.0, 0.1));
+    let camera = Camera::perspective("eye", 0.5);
+    let camera = PosedCamera::looking(camera, DVec3::new(0.0, 8.2, 7.6), DVec3::new(0.0, 0.0, 0.1));
     let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
-    common::picture(&mut renderer, &scene, &camera, "03_scoped_casters")
+    common::picture(&mut renderer, &scene, &camera, Exposure::Fixed(2.2), "03_scoped_casters")
 }

@@ -60,7 +60,7 @@ fn draw(path: &str) -> Result<(), Box<dyn Error>> {
     let main = posed.cameras.iter().find(|camera| camera.name == "main").or(posed.cameras.first());
     let camera = main.cloned().map_or_else(|| framed(&posed), Ok)?;
     let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
-    common::picture(&mut renderer, &scene, &camera, "04_load_gltf")
+    common::picture(&mut renderer, &scene, &camera, Exposure::Auto, "04_load_gltf")
 }
 
 /// A camera that has everything in view, from the front, the right and above.

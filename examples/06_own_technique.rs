@@ -22,12 +22,12 @@ const BLUE: Vec3 = Vec3::new(0.05, 0.16, 0.5);
 const BLACK: Vec3 = Vec3::splat(0.03);
 /// Where each disc hangs, how large it is, how it is turned about x and z, and its colour.
 const DISCS: [([f64; 3], f64, [f64; 2], Vec3); 7] = [
-    ([-1.75, 1.75, 0.35], 0.5, [0.25, 0.35], RED),
-    ([-0.75, 1.35, -0.3], 0.34, [-0.35, -0.2], BLACK),
+    ([-1.75, 1.75, 0.35], 0.5, [0.75, 0.35], RED),
+    ([-0.75, 1.35, -0.3], 0.34, [0.5, -0.3], BLACK),
     ([-0.2, 2.05, 0.5], 0.22, [0.9, 0.3], YELLOW),
-    ([0.55, 1.5, 0.0], 0.4, [0.3, -0.35], BLUE),
-    ([1.25, 1.9, -0.4], 0.27, [-0.5, 0.5], RED),
-    ([1.75, 1.3, 0.4], 0.33, [0.2, 0.3], YELLOW),
+    ([0.55, 1.5, 0.0], 0.4, [0.9, -0.35], BLUE),
+    ([1.25, 1.9, -0.4], 0.27, [0.6, 0.5], RED),
+    ([1.75, 1.3, 0.4], 0.33, [0.5, 0.3], YELLOW),
     ([2.35, 1.75, 0.0], 0.18, [1.0, -0.3], BLACK),
 ];
 const TOP: DVec3 = DVec3::new(0.25, 3.2, 0.0);
@@ -56,9 +56,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 
     let lamp = Light::point("lamp", 60.0).with_color(Vec3::new(1.0, 0.84, 0.62));
-    let lamp = scene.add_light(lamp, DVec3::new(-2.6, 4.2, 4.2), DVec3::ZERO);
+    let lamp = scene.add_light(lamp, DVec3::new(-2.4, 3.0, 4.6), DVec3::ZERO);
     let sky = Light::directional("sky", 0.9).with_color(Vec3::new(0.5, 0.7, 1.0));
-    let sky = scene.add_light(sky, DVec3::new(3.0, 3.4, 4.0), DVec3::ZERO);
+    let sky = scene.add_light(sky, DVec3::new(3.0, 2.6, 4.6), DVec3::ZERO);
 
     // On each light both techniques: what one leaves of it, the other multiplies. The sky's discs get a smooth rim.
     let hard = ShadowNode::from(ShadowVolumeHard::default()).with_casters([wires]);
@@ -74,7 +74,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for light in &plan.lights {
         println!("{}: {} -> {:?}", light.name, light.techniques.join(" and "), light.factor);
     }
-    common::picture(&mut renderer, &scene, &camera, "06_own_technique")
+    common::picture(&mut renderer, &scene, &camera, Exposure::Fixed(1.8), "06_own_technique")
 }
 
 fn add(scene: &mut Scene, group: NodeKey, mesh: MeshKey, color: Vec3, place: DAffine3) {

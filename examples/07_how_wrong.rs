@@ -18,7 +18,7 @@ const SIZE_PX: [u32; 2] = [640, 360];
 fn main() -> Result<(), Box<dyn Error>> {
     let mut scene = Scene::new();
     let clay = Material::matt("clay", Vec3::new(0.7, 0.55, 0.42));
-    scene.add_mesh(Mesh::new(shapes::plane(Vec2::splat(10.0)))?, clay.clone(), DAffine3::IDENTITY);
+    scene.add_mesh(Mesh::new(shapes::plane(Vec2::splat(40.0)))?, clay.clone(), DAffine3::IDENTITY);
     let knot = Mesh::new(shapes::torus_knot([3, 4], 0.75, 0.13, [320, 20]))?;
     let tilt = DAffine3::from_rotation_x(0.35) * DAffine3::from_rotation_y(0.5);
     scene.add_mesh(knot, clay.clone(), DAffine3::from_translation(DVec3::Y * 1.5) * tilt);
@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let camera = Camera::perspective("eye", 0.66);
     let camera = PosedCamera::looking(camera, DVec3::new(0.4, 4.2, 6.6), DVec3::new(0.0, 0.7, 0.0));
     let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
-    common::picture(&mut renderer, &scene, &camera, "07_how_wrong")?;
+    common::picture(&mut renderer, &scene, &camera, Exposure::Fixed(1.3), "07_how_wrong")?;
 
     // Renders again, with one factor image for each light, and traces the same pixels in f64.
     let request = FrameRequest::new(camera, SIZE_PX);

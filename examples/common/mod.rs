@@ -35,11 +35,12 @@ pub(crate) fn picture(
     renderer: &mut Renderer,
     scene: &Scene,
     camera: &PosedCamera,
+    exposure: Exposure,
     name: &str,
 ) -> Result<(), Box<dyn Error>> {
     let size_px = SIZE_PX.map(|side| side * 2);
     let request = FrameRequest::new(camera.clone(), size_px);
-    let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
+    let options = RenderOptions { exposure, read_picture: true, ..RenderOptions::default() };
     let frame = renderer.render(scene, &request, &options)?;
     let pixels = frame.picture.ok_or("the frame has no picture")?;
     let large =
