@@ -28,6 +28,7 @@ const SHADE_FLAGS: &[&str] = &[
     "METALLIC_ROUGHNESS_TEXTURE",
     "NORMAL_TEXTURE",
     "OCCLUSION_TEXTURE",
+    "ONE_LIGHT",
     "UNLIT",
     "VERTEX_COLOR",
     "VISIBILITY",

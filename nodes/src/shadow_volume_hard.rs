@@ -16,17 +16,13 @@
 //!   depth counts as "not in front": no bias anywhere.
 //! - Vertices are extruded along vertex − light computed in two-float precision, so that a light may touch a caster.
 //! - Sides end on one plane behind everything that can receive, where that is exact.
-//! - The 8-bit stencil wraps at 256 layers, so the number of layers is bounded first. Casters that together might
-//!   exceed it are counted in groups of at most 127; between groups a *fold* turns any count into the sticky dark
-//!   bit 7, which later counts (bits 0 to 6) leave alone. Counts of any size stay exact without float targets.
+//! - Counts of any size stay exact in the 8-bit stencil: see [`crate::common::layer_groups`].
 //!
 //! *Limits.* Alpha-masked casters are refused; blended ones cast through coloured techniques. Rasterisation snaps
 //! vertices to 1/256 pixel, so pixels whose centre is that near a shadow edge may fall to either side.
 
 use std::sync::Arc;
 
-use glam::DVec4;
-use shadowgraph_engine::geometry::LayerGrid;
 use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::plan::{
     Binding, BufferUsage, CompareFunction, DepthTarget, Draw, DrawState, Geometry, Pass, Shader, SlotId,
@@ -40,6 +36,7 @@ use shadowgraph_engine::shadow::{
 
 use crate::common::culling::{may_shadow, near_plane_may_be_shadowed};
 use crate::common::extrusion::{End, end_plane, scaled_end};
+use crate::common::layer_groups::{Caster, MAX_COUNT, Member, group_by_layers};
 use crate::common::volume::{CasterFacing, VolumeIndices, VolumeUniform};
 
 /// From where crossings are counted.
@@ -96,11 +93,6 @@ const GEOMETRIES: &[(&str, GeometryMode)] =
     &[("auto", GeometryMode::Auto), ("closed", GeometryMode::Closed), ("open", GeometryMode::Open)];
 const EXTRUSIONS: &[(&str, Extrusion)] =
     &[("auto", Extrusion::Auto), ("infinite", Extrusion::Infinite), ("toBounds", Extrusion::ToBounds)];
-
-/// The largest count an 8-bit stencil holds.
-const MAX_COUNT: u32 = 255;
-/// The largest count beside the sticky dark bit.
-const MAX_GROUP_COUNT: u32 = 127;
 
 impl ShadowVolumeHard {
     /// How the catalog knows it.
@@ -179,7 +171,8 @@ impl ShadowTechnique for ShadowVolumeHard {
         if volumes.is_empty() {
             return Ok(());
         }
-        let groups = group_by_layers(light, &volumes);
+        let casters: Vec<Caster<'_>> = volumes.iter().map(|volume| volume.caster.clone()).collect();
+        let groups = group_by_layers(light, &casters);
         let bound = if groups.folds { MAX_COUNT } else { groups.bound };
         let (depth, before) = light.count_in_stencil(bound);
         let buffers = upload(light, &volumes, &groups.groups);
@@ -193,7 +186,7 @@ impl ShadowTechnique for ShadowVolumeHard {
                 .iter()
                 .enumerate()
                 .flat_map(|(place, member)| {
-                    let volume = &volumes[member.volume];
+                    let volume = &volumes[member.caster];
                     let record = first_record + place as u32;
                     volume_draws(
                         volume,
@@ -223,11 +216,7 @@ impl ShadowTechnique for ShadowVolumeHard {
 
 /// One caster's volume, with everything the view decides about it.
 struct Volume<'a> {
-    index: usize,
-    instance: &'a Instance,
-    /// Everything the facing signs were computed from.
-    key: u64,
-    facing: Arc<CasterFacing>,
+    caster: Caster<'a>,
     z_fail: bool,
     end: End,
     clamp_depth: bool,
@@ -245,7 +234,7 @@ impl Volume<'_> {
             End::Plane(_) => "to a plane",
             End::Scaled(_) => "beyond the view",
         };
-        format!("{} {mode} {depth_test} {end}", self.instance.name)
+        format!("{} {mode} {depth_test} {end}", self.caster.instance.name)
     }
 }
 
@@ -276,10 +265,7 @@ impl ShadowVolumeHard {
                 light.require(clamp, "counting behind surfaces seen by an orthographic camera")?;
             }
             volumes.push(Volume {
-                index,
-                instance,
-                key,
-                facing,
+                caster: Caster { index, instance, key, facing },
                 z_fail,
                 end: self.end(light, instance)?,
                 clamp_depth: z_fail && !perspective,
@@ -370,83 +356,6 @@ fn note_left_out(light: &mut LightPlan<'_>, left_out: &[(&Instance, &'static str
     }
 }
 
-/// One caster, or some of its triangles, in a group of certified size.
-struct Member {
-    volume: usize,
-    /// The triangles; `None` for all that are cast.
-    triangles: Option<Vec<u32>>,
-}
-
-struct Groups {
-    groups: Vec<Vec<Member>>,
-    /// The bound on the only group's count.
-    bound: u32,
-    /// Whether counts must be folded into the sticky bit, as one group is not enough or others counted before.
-    folds: bool,
-}
-
-/// Splits the volumes into groups whose counts the stencil can hold.
-fn group_by_layers(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) -> Groups {
-    let all = || {
-        volumes.iter().enumerate().map(|(volume, _)| Member { volume, triangles: None }).collect::<Vec<_>>()
-    };
-    let position = light.light().position;
-    let keys: Vec<u64> = volumes.iter().map(|volume| volume.key).collect();
-    let bound = *light.cache.get_or_compute("layers", hash_of(&keys), || layers(position, volumes, &all()));
-    let before = light.counts_before();
-    if bound <= MAX_COUNT - before.min(MAX_COUNT) {
-        return Groups { groups: vec![all()], bound, folds: false };
-    }
-    // Halves, in the order of the scene and then of the file, until each is small enough.
-    let mut groups = Vec::new();
-    let mut open = vec![all()];
-    while let Some(mut group) = open.pop() {
-        if layers(position, volumes, &group) <= MAX_GROUP_COUNT {
-            groups.push(group);
-        } else if group.len() > 1 {
-            let second_half = group.split_off(group.len() / 2);
-            open.extend([second_half, group]);
-        } else if let Some(member) = group.pop() {
-            let mut triangles =
-                member.triangles.unwrap_or_else(|| volumes[member.volume].facing.cast.clone());
-            let second_half = triangles.split_off(triangles.len() / 2);
-            for half in [second_half, triangles] {
-                open.push(vec![Member { volume: member.volume, triangles: Some(half) }]);
-            }
-        }
-    }
-    let kept = groups.len();
-    light.note(format!(
-        "a wider counter for '{}': up to {bound} layers are counted in {kept} groups of at most {MAX_GROUP_COUNT}",
-        light.light().name
-    ));
-    Groups { groups, bound, folds: true }
-}
-
-/// A bound on the cast triangles of `members` that one light ray crosses.
-fn layers(light: DVec4, volumes: &[Volume<'_>], members: &[Member]) -> u32 {
-    let cast = |member: &'_ Member| match &member.triangles {
-        Some(triangles) => triangles.len(),
-        None => volumes[member.volume].facing.cast.len(),
-    };
-    let count: usize = members.iter().map(cast).sum();
-    // No ray crosses more triangles than there are.
-    if count <= MAX_GROUP_COUNT as usize {
-        return count as u32;
-    }
-    let topology = |member: &Member| volumes[member.volume].instance.mesh.topology();
-    let bounds = members.iter().fold(Aabb::EMPTY, |bounds, member| {
-        bounds.union(&volumes[member.volume].facing.bounds(topology(member)))
-    });
-    let mut grid = LayerGrid::new(light, &bounds, count);
-    for member in members {
-        let facing = &volumes[member.volume].facing;
-        let triangles = member.triangles.as_ref().unwrap_or(&facing.cast);
-        triangles.iter().for_each(|triangle| grid.add_triangle(facing.corners(topology(member), *triangle)));
-    }
-    grid.max_layers()
-}
-
 /// The buffers of one light's volumes.
 struct Buffers {
     index_slot: SlotId,
@@ -462,7 +371,7 @@ fn upload(light: &mut LightPlan<'_>, volumes: &[Volume<'_>], groups: &[Vec<Membe
     let mut records: Vec<VolumeUniform> = Vec::new();
     let mut first = 0;
     for member in groups.iter().flatten() {
-        let Volume { instance, facing, key, end, index, .. } = &volumes[member.volume];
+        let Volume { caster: Caster { index, instance, key, facing }, end, .. } = &volumes[member.caster];
         let key = hash_of((key, &member.triangles));
         let runs = light.cache.get_or_compute("volume indices", key, || {
             VolumeIndices::new(instance, facing, member.triangles.as_ref().unwrap_or(&facing.cast))
@@ -549,7 +458,7 @@ fn volume_draws(
                 shader: Some(buffers.shader.clone()),
                 state,
                 geometry: Geometry::Indexed {
-                    instance: volume.index as u32,
+                    instance: volume.caster.index as u32,
                     indices: buffers.index_slot,
                     first: first + start,
                     count: end - start,

@@ -1,5 +1,6 @@
 // Forward shading of the visible surface: every light of the frame in one pass, each with its shadow factor.
-// Flags leave out what a material does not have: software adapters run both sides of every branch.
+// Flags leave out what a material does not have, and the loop for one light: software adapters run both sides of
+// every branch, and loops with a mask.
 // Metallic-roughness as glTF 2.0 appendix B defines it (Lambert, GGX, height-correlated Smith, Schlick).
 
 #import common/frame
@@ -160,6 +161,17 @@ fn reflect_light(s: Surface, l: vec3f) -> vec3f {
     return ((1.0 - fresnel) * s.diffuse * 0.31830989 + specular) * n_l;
 }
 
+// What `light` adds to the outgoing radiance.
+fn lit_by(light: Light, s: Surface, pixel: vec2u, receives: u32) -> vec3f {
+    let incoming = illumination(light, s.p);
+    // Light from behind the surface proper lights nothing, whatever a smooth normal says.
+    if dot(s.geometric, incoming.towards) <= 0.0 || all(incoming.irradiance == vec3f(0.0)) {
+        return vec3f(0.0);
+    }
+    let factor = select(vec3f(1.0), shadow_factor(light, pixel), receives == 1u);
+    return factor * incoming.irradiance * reflect_light(s, incoming.towards);
+}
+
 // Khronos PBR Neutral: true colours up to 0.8, then a soft shoulder that desaturates.
 fn tone_mapped(radiance: vec3f) -> vec3f {
     var color = radiance;
@@ -225,16 +237,13 @@ fn shade(in: Varyings) -> vec4f {
     var color = frame.ambient * sky * occlusion * (s.diffuse + s.f0 * 0.7);
 
     let pixel = vec2u(in.clip.xy);
+#if ONE_LIGHT
+    color += lit_by(lights[0], s, pixel, in.receives);
+#else
     for (var i = 0u; i < frame.light_count; i++) {
-        let light = lights[i];
-        let incoming = illumination(light, s.p);
-        // Light from behind the surface proper lights nothing, whatever a smooth normal says.
-        if dot(s.geometric, incoming.towards) <= 0.0 || all(incoming.irradiance == vec3f(0.0)) {
-            continue;
-        }
-        let factor = select(vec3f(1.0), shadow_factor(light, pixel), in.receives == 1u);
-        color += factor * incoming.irradiance * reflect_light(s, incoming.towards);
+        color += lit_by(lights[i], s, pixel, in.receives);
     }
+#endif
     color += emitted * frame.exposure;
     return vec4f(select(color, tone_mapped(color), frame.tone_map == 1u), base.a);
 #endif

@@ -9,13 +9,16 @@
 //! covers the bounding rectangle of its projection, which costs four entries in a table of differences; sums over
 //! the table give the triangles over each cell, and the largest is the bound, for a ray meets one cell only.
 //!
-//! *Never too low.* Rectangles are enlarged by a whole cell on every side, 2/1024 of the plane or more, where the
-//! rounding of a projection is below 10⁻⁹. A triangle too near the plane through the light to be projected covers the
+//! *Never too low.* Rectangles are enlarged by a thousandth of a cell on every side, 2·10⁻⁶ of the plane or more,
+//! where the rounding of a projection is below 10⁻⁹. A triangle too near the plane through the light to be projected covers the
 //! whole face. Outside the planned bounds coordinates are clamped, triangles and rays alike.
 
 use glam::{DVec2, DVec3, DVec4};
 
 use crate::math::Aabb;
+
+/// By how much of a cell the rectangles are enlarged.
+const CELL_MARGIN: f64 = 1e-3;
 
 /// Counts triangles over the cells of one or six planes the light looks through.
 #[derive(Clone, Debug)]
@@ -32,10 +35,16 @@ impl LayerGrid {
     /// An empty grid for the homogeneous `light`, fitted to casters within `bounds` (in the world) and to about
     /// `triangle_count` of them. Neither has to hold: the bound stays one, and gets less tight.
     pub fn new(light: DVec4, bounds: &Aabb, triangle_count: usize) -> Self {
+        Self::with_detail(light, bounds, triangle_count, 1)
+    }
+
+    /// As [`LayerGrid::new`], with `detail` times as many cells along a side: slower, and a tighter bound where many
+    /// small triangles share a cell.
+    pub fn with_detail(light: DVec4, bounds: &Aabb, triangle_count: usize, detail: usize) -> Self {
         let planes = light_planes(light, bounds);
-        let finest = if planes.len() == 1 { 1024 } else { 512 };
+        let finest = if planes.len() == 1 { 1024 } else { 512 } * detail;
         // About two cells to the side of an average triangle of a surface that fills the plane.
-        let wanted = 2.0 * (triangle_count as f64).sqrt();
+        let wanted = 2.0 * detail as f64 * (triangle_count as f64).sqrt();
         let cells_per_side = (wanted as usize).next_power_of_two().clamp(64, finest);
         let differences = vec![vec![0; (cells_per_side + 1) * (cells_per_side + 1)]; planes.len()];
         Self { planes, cells_per_side, differences, triangles: 0 }
@@ -50,14 +59,14 @@ impl LayerGrid {
                 Footprint::Nothing => continue,
                 Footprint::Everything => ([0, 0], [last, last]),
                 Footprint::Rectangle(low, high) => {
-                    // Clamped to just beyond the plane before they become integers.
-                    let cell = |ndc: f64| {
-                        ((ndc * 0.5 + 0.5) * self.cells_per_side as f64).floor().clamp(-2.0, 2048.0)
+                    // `as` saturates, so that far-away coordinates clamp instead of wrapping.
+                    let cell = |ndc: f64, margin: f64| {
+                        let place = (ndc * 0.5 + 0.5) * self.cells_per_side as f64 + margin;
+                        (place.floor().max(0.0) as usize).min(last)
                     };
-                    let enlarged = |ndc: f64, by: f64| ((cell(ndc) + by).max(0.0) as usize).min(last);
                     (
-                        [enlarged(low.x, -1.0), enlarged(low.y, -1.0)],
-                        [enlarged(high.x, 1.0), enlarged(high.y, 1.0)],
+                        [cell(low.x, -CELL_MARGIN), cell(low.y, -CELL_MARGIN)],
+                        [cell(high.x, CELL_MARGIN), cell(high.y, CELL_MARGIN)],
                     )
                 }
             };

@@ -47,11 +47,12 @@ pub(crate) fn features(material: &Material, mesh: &Mesh, lights: usize) -> u32 {
         bits |= u32::from(texture.is_some()) << (index + 2);
     }
     bits |= u32::from(!mesh.data().colors.is_empty()) << 7;
-    bits | u32::from(lights > FEW_LIGHTS) << 8
+    bits |= u32::from(lights > FEW_LIGHTS) << 8;
+    bits | u32::from(lights == 1) << 9
 }
 
 /// The shader flags of the bits of [`features`].
-pub(crate) const FEATURE_FLAGS: [&str; 9] = [
+pub(crate) const FEATURE_FLAGS: [&str; 10] = [
     "UNLIT",
     "MASKED",
     "BASE_COLOR_TEXTURE",
@@ -61,6 +62,7 @@ pub(crate) const FEATURE_FLAGS: [&str; 9] = [
     "OCCLUSION_TEXTURE",
     "VERTEX_COLOR",
     "MANY_LIGHTS",
+    "ONE_LIGHT",
 ];
 
 /// Up to so many lights the shorter array of common/lights does.

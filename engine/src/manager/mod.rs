@@ -1,5 +1,6 @@
 //! The render manager: collects shadow nodes, plans the frame, has it executed. The only room that sees all others.
 
+mod assembly;
 mod exposure;
 mod frame;
 mod renderer;

@@ -1,5 +1,6 @@
-//! What several techniques share: which casters matter, how volumes end, and their vertices.
+//! What several techniques share: which casters matter, how volumes end, their vertices, and how many layers they count.
 
 pub mod culling;
 pub mod extrusion;
+pub mod layer_groups;
 pub mod volume;
