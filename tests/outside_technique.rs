@@ -208,7 +208,6 @@ fn with_volumes_on_one_light_the_factor_is_the_product() {
 /// A known bug of the engine, runnable: shading takes the three colours of a one-channel visibility texture, which reads
 /// as (factor, 0, 0), so that everything a light with such a factor lights turns red.
 #[test]
-#[ignore = "engine: surface_shade.wgsl reads .rgb of a visibility target of one channel"]
 fn one_factor_for_all_colours_leaves_white_light_white() {
     let Some(mut renderer) = renderer() else { return };
     let Stage { mut scene, discs, .. } = stage();

@@ -17,8 +17,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use shadowgraph::engine::plan::{
-    Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, BufferUsage, CompareFunction, Draw,
-    DrawState, Geometry, Pass, Shader,
+    Binding, BufferUsage, CompareFunction, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader,
 };
 use shadowgraph::engine::scene::{Instance, ParamValue, Params, ShadowNode};
 use shadowgraph::engine::shadow::{
@@ -199,13 +198,3 @@ fn contents(light: &LightPlan<'_>, records: &[DiscRecord]) -> Vec<u8> {
     let head = LightRecord { light: in_view.extend(position.w).as_vec4().into() };
     [bytemuck::bytes_of(&head), bytemuck::cast_slice(records)].concat()
 }
-
-/// dst · src: factors of several discs, nodes and techniques multiply.
-const MULTIPLY: BlendState = {
-    let multiply = BlendComponent {
-        src_factor: BlendFactor::Dst,
-        dst_factor: BlendFactor::Zero,
-        operation: BlendOperation::Add,
-    };
-    BlendState { color: multiply, alpha: multiply }
-};

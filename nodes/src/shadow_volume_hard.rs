@@ -19,7 +19,8 @@
 //! - Counts of any size stay exact in the 8-bit stencil: see [`crate::common::layer_groups`].
 //!
 //! *Limits.* Alpha-masked casters are refused; blended ones cast through coloured techniques. Rasterisation snaps
-//! vertices to 1/256 pixel, so pixels whose centre is that near a shadow edge may fall to either side.
+//! vertices to 1/256 pixel, so pixels whose centre is that near a shadow edge may fall to either side. A light nearer to
+//! a caster than about 10⁻⁵ of its size, but not touching it, sees edges span half circles: single pixels go wrong.
 
 use std::sync::Arc;
 
@@ -149,7 +150,8 @@ impl ShadowTechnique for ShadowVolumeHard {
     }
 
     fn known_error(&self) -> &'static str {
-        "none but rasterisation: pixels whose centre is within 1/256 pixel of a shadow edge"
+        "rasterisation: pixels whose centre is within 1/256 pixel of a shadow edge; and lights nearer to a caster than \
+         1e-5 of its size without touching it"
     }
 
     fn requirements(&self) -> Requirements {

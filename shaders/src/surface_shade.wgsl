@@ -107,7 +107,12 @@ fn shadow_factor(light: Light, pixel: vec2u) -> vec3f {
 #endif
 #if VISIBILITY
     if light.factor_kind == 3u {
-        return textureLoad(visibility, pixel, light.factor_index, 0).rgb;
+        let factor = textureLoad(visibility, pixel, light.factor_index, 0);
+#if ONE_CHANNEL
+        return factor.rrr;
+#else
+        return factor.rgb;
+#endif
     }
 #endif
     return vec3f(1.0);

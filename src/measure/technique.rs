@@ -6,8 +6,7 @@
 use std::sync::Arc;
 
 use shadowgraph_engine::plan::{
-    Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, BufferUsage, CompareFunction, Draw,
-    DrawState, Geometry, Pass, Shader,
+    Binding, BufferUsage, CompareFunction, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader,
 };
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
@@ -21,16 +20,6 @@ use super::{LightQuery, Reference};
 pub struct ReferenceShadow;
 
 const TYPE_NAME: &str = "Reference";
-
-/// dst · src.
-const MULTIPLY: BlendState = {
-    let multiply = BlendComponent {
-        src_factor: BlendFactor::Dst,
-        dst_factor: BlendFactor::Zero,
-        operation: BlendOperation::Add,
-    };
-    BlendState { color: multiply, alpha: multiply }
-};
 
 impl ReferenceShadow {
     /// How a catalog knows it.

@@ -65,10 +65,11 @@ fn can_join(plan: &FramePlan, group: &PassGroup, pass: &Pass) -> bool {
         return false;
     }
     // A pass's shaders write its first colour at location 0, its second at 1: each must keep that place in the group.
-    let colors_fit = pass.colors.iter().enumerate().all(|(place, color)| match place_of(&group.colors, color) {
-        Some(found) => found == place && color.load == Load::Keep,
-        None => group.colors.len() <= place && is_picture_sized(plan, color.slot),
-    });
+    let colors_fit =
+        pass.colors.iter().enumerate().all(|(place, color)| match place_of(&group.colors, color) {
+            Some(found) => found == place && color.load == Load::Keep,
+            None => group.colors.len() <= place && is_picture_sized(plan, color.slot),
+        });
     if !colors_fit {
         return false;
     }

@@ -19,6 +19,16 @@ pub use wgpu::{
     StencilOperation, TextureFormat,
 };
 
+/// dst · src: how techniques draw into visibility targets.
+pub const MULTIPLY: BlendState = {
+    let multiply = BlendComponent {
+        src_factor: BlendFactor::Dst,
+        dst_factor: BlendFactor::Zero,
+        operation: BlendOperation::Add,
+    };
+    BlendState { color: multiply, alpha: multiply }
+};
+
 /// A slot of the plan, by its place in [`FramePlan::slots`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct SlotId(pub usize);

@@ -17,7 +17,7 @@ use crate::plan::{
 use crate::scene::{AlphaMode, Instance, Material, Posed};
 
 /// The flags of surface_shade for what a draw reads, by binding number.
-const READ_FLAGS: [&str; 3] = ["COUNTS", "MASK", "VISIBILITY"];
+const READ_FLAGS: [&str; 4] = ["COUNTS", "MASK", "VISIBILITY", "ONE_CHANNEL"];
 
 /// What recording needs to know besides the executor's own stores.
 pub(super) struct Scene<'a> {
@@ -267,7 +267,11 @@ impl Executor {
             SurfaceStyle::Blended => ("surface_shade", Some("blended")),
             SurfaceStyle::Pulled => return None,
         };
-        let read: u32 = draw.bindings.iter().map(|(number, _)| 1 << number).sum();
+        let mut read: u32 = draw.bindings.iter().map(|(number, _)| 1 << number).sum();
+        // A texture of one channel reads as (r, 0, 0, 1): its one factor is that of all colours.
+        let one_channel =
+            |(_, binding): &(u32, Binding)| scene.format(binding.slot()) == TextureFormat::R16Float;
+        read |= u32::from(draw.bindings.iter().any(one_channel)) << 3;
         let shader = self.surface_shaders.entry((style, read, features)).or_insert_with(|| {
             let read_flags = READ_FLAGS.iter().enumerate().filter(|(bit, _)| read >> bit & 1 == 1);
             let has_flags = FEATURE_FLAGS.iter().enumerate().filter(|(bit, _)| features >> bit & 1 == 1);
