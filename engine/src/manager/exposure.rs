@@ -22,9 +22,9 @@ impl Exposure {
     }
 }
 
-/// Meters the lights at the middle of the scene: 2π divided by the summed irradiance of surfaces that face them, so
-/// that a white Lambert surface facing all lights has radiance 2: few surfaces are white or face every light. Lights count from half the scene's radius away
-/// at least: a lamp in the middle must not black out the rest.
+/// Meters the lights at the middle of the scene: 1.6 π divided by the summed irradiance of surfaces that face them, so
+/// that a white Lambert surface facing all lights has radiance 1.6: few surfaces are white or face every light. Lights
+/// count from half the scene's radius away at least: a lamp in the middle must not black out the rest.
 fn auto_factor(posed: &Posed) -> f32 {
     let center = posed.world_bounds.center();
     let nearest_m = (posed.world_bounds.radius() * 0.5).max(1e-9);
@@ -34,5 +34,5 @@ fn auto_factor(posed: &Posed) -> f32 {
         let distance_m = (center * light.position.w - light.position.truncate()).length().max(nearest_m);
         irradiance += if light.position.w == 0.0 { peak } else { peak / (distance_m * distance_m) };
     }
-    if irradiance > 0.0 && irradiance.is_finite() { (std::f64::consts::TAU / irradiance) as f32 } else { 1.0 }
+    if irradiance > 0.0 && irradiance.is_finite() { (1.6 * std::f64::consts::PI / irradiance) as f32 } else { 1.0 }
 }
