@@ -40,18 +40,18 @@ pub(super) fn room() -> Scene {
         let _ = scene.reparent(node, Some(lights));
         node
     };
-    let sun = Light::directional("sun", 4.4).with_color(Vec3::new(1.0, 0.83, 0.6));
+    let sun = Light::directional("sun", 5.5).with_color(Vec3::new(1.0, 0.83, 0.6));
     let sun = shine(sun, DVec3::ZERO, DVec3::new(0.75, -0.47, 0.06));
-    let sky = Light::point("sky", 13.0).with_color(Vec3::new(0.5, 0.68, 1.0));
+    let sky = Light::point("sky", 20.0).with_color(Vec3::new(0.5, 0.68, 1.0));
     let sky = shine(sky, DVec3::new(-3.95, 1.95, -0.1), DVec3::ZERO);
-    let lamp = Light::point("lamp", 1.5).with_color(Vec3::new(1.0, 0.66, 0.36));
+    let lamp = Light::point("lamp", 2.6).with_color(Vec3::new(1.0, 0.66, 0.36));
     let lamp = shine(lamp, DVec3::new(2.35, 1.52, -1.85), DVec3::ZERO);
-    let picture = Light::spot("picture spot", 4.5, 0.5).with_color(Vec3::new(1.0, 0.86, 0.68));
+    let picture = Light::spot("picture spot", 6.0, 0.5).with_color(Vec3::new(1.0, 0.86, 0.68));
     let picture = shine(picture, DVec3::new(0.1, 2.74, -1.2), DVec3::new(0.1, 1.5, -2.5));
-    let leaves = Light::spot("plant spot", 4.0, 0.5).with_color(Vec3::new(1.0, 0.8, 0.55));
+    let leaves = Light::spot("plant spot", 6.0, 0.5).with_color(Vec3::new(1.0, 0.8, 0.55));
     let leaves = shine(leaves, DVec3::new(0.75, 0.42, 1.25), DVec3::new(2.7, 0.95, 0.35));
 
-    scene.set_ambient(Vec3::new(0.125, 0.122, 0.125));
+    scene.set_ambient(Vec3::new(0.2, 0.195, 0.2));
     scene.set_background(Vec3::new(0.5, 0.62, 0.8));
     scene.add_camera(
         Camera::perspective("main", 0.82),
