@@ -34,5 +34,9 @@ fn auto_factor(posed: &Posed) -> f32 {
         let distance_m = (center * light.position.w - light.position.truncate()).length().max(nearest_m);
         irradiance += if light.position.w == 0.0 { peak } else { peak / (distance_m * distance_m) };
     }
-    if irradiance > 0.0 && irradiance.is_finite() { (1.6 * std::f64::consts::PI / irradiance) as f32 } else { 1.0 }
+    if irradiance > 0.0 && irradiance.is_finite() {
+        (1.6 * std::f64::consts::PI / irradiance) as f32
+    } else {
+        1.0
+    }
 }
