@@ -2,7 +2,6 @@
 //!
 //! Exit codes: 0 success, 2 bad usage, 1 anything else; always with one clear line on stderr, and never with a
 //! half-written file.
-#![allow(clippy::print_stdout, reason = "printing is what a command line does")]
 
 mod commands;
 

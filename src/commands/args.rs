@@ -21,15 +21,19 @@ impl FromStr for Size {
     }
 }
 
+/// How far from the origin anything on the command line may be: beyond this, squares of distances leave f32.
+const FARTHEST_M: f64 = 1e15;
+
 /// `X,Y,Z`.
 pub(crate) fn vector(text: &str) -> Result<DVec3, String> {
     let numbers: Vec<f64> = text.split(',').filter_map(|n| n.trim().parse().ok()).collect();
     match numbers[..] {
-        [x, y, z] if text.split(',').count() == 3 && DVec3::new(x, y, z).is_finite() => {
+        // NaN is beyond every bound.
+        [x, y, z] if text.split(',').count() == 3 && [x, y, z].iter().all(|n| n.abs() <= FARTHEST_M) => {
             Ok(DVec3::new(x, y, z))
         }
         _ => Err(format!(
-            "'{text}' is no vector; accepted: three finite numbers joined by commas, as in 1,2.5,-3"
+            "'{text}' is no vector; accepted: three numbers from -1e15 to 1e15 joined by commas, as in 1,2.5,-3"
         )),
     }
 }
@@ -47,8 +51,10 @@ impl FromStr for LightArg {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let direction = |text: &str| {
-            vector(text)
-                .and_then(|d| d.try_normalize().ok_or_else(|| "a direction must not be zero".to_owned()))
+            // Scaled first, so that the squares of tiny numbers do not vanish.
+            let direction = vector(text)?;
+            let scaled = direction / direction.abs().max_element();
+            scaled.try_normalize().ok_or_else(|| "a direction must not be zero".to_owned())
         };
         match text.split(':').collect::<Vec<_>>()[..] {
             ["point", position] => Ok(Self::Point { position: vector(position)? }),
@@ -71,6 +77,9 @@ impl FromStr for LightArg {
     }
 }
 
+/// The smallest half side of a floor: its area must not vanish in f32.
+const SMALLEST_M: f64 = 1e-9;
+
 /// `Y:HALF_SIZE`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Floor {
@@ -84,10 +93,14 @@ impl FromStr for Floor {
     fn from_str(text: &str) -> Result<Self, String> {
         let parsed = text.split_once(':').and_then(|(y, half)| Some((y.parse().ok()?, half.parse().ok()?)));
         match parsed {
-            Some((y_m, half_size_m)) if f64::is_finite(y_m) && half_size_m > 0.0 && half_size_m < 1e18 => {
+            Some((y_m, half_size_m))
+                if f64::abs(y_m) <= FARTHEST_M && (SMALLEST_M..=FARTHEST_M).contains(&half_size_m) =>
+            {
                 Ok(Self { y_m, half_size_m })
             }
-            _ => Err("a floor is its height and half its side in metres, as in 0:12".into()),
+            _ => Err("a floor is its height (from -1e15 to 1e15) and half its side (from 1e-9 to 1e15) in \
+                      metres, as in 0:12"
+                .into()),
         }
     }
 }
@@ -142,6 +155,8 @@ mod tests {
         assert_eq!(vector("1,-2.5,3e1").unwrap(), DVec3::new(1.0, -2.5, 30.0));
         assert!(matches!("point:1,2,3".parse(), Ok(LightArg::Point { .. })));
         assert!(matches!("spot:1,2,3:0,-1,0:30".parse(), Ok(LightArg::Spot { .. })));
+        let tiny = "directional:0,-1e-200,0".parse();
+        assert_eq!(tiny, Ok(LightArg::Directional { direction: DVec3::NEG_Y }));
         let technique: TechniqueArg = "soft:radius=0.5,quality=wedge,color=1/0.5/0".parse().unwrap();
         assert_eq!(technique.params["radius"], ParamValue::Number(0.5));
         assert_eq!(technique.params["color"], ParamValue::Numbers(vec![1.0, 0.5, 0.0]));
@@ -151,13 +166,15 @@ mod tests {
     fn bad_values_say_what_is_accepted() {
         assert!("640".parse::<Size>().unwrap_err().contains("1280x720"));
         assert!("0x5".parse::<Size>().is_err());
-        for text in ["1,2", "1,2,x", "1,2,3,4", "1,2,nan", ""] {
+        for text in ["1,2", "1,2,x", "1,2,3,4", "1,2,nan", "1,2,inf", "1e16,0,0", ""] {
             assert!(vector(text).is_err(), "{text}");
         }
         for text in ["lamp:1,2,3", "directional:0,0,0", "spot:1,2,3:0,1,0:120", "point"] {
             assert!(text.parse::<LightArg>().is_err(), "{text}");
         }
-        assert!("0:-1".parse::<Floor>().is_err());
+        for text in ["0:-1", "0:0", "0:1e-60", "0:1e16", "1e300:1", "nan:1", "0:nan", "0"] {
+            assert!(text.parse::<Floor>().is_err(), "{text}");
+        }
         assert!("hard:depthTest".parse::<TechniqueArg>().is_err());
     }
 }

@@ -6,6 +6,7 @@ use clap::Args;
 use shadowgraph::demo;
 use shadowgraph::engine::gltf;
 
+use super::output::out;
 use super::{Failure, files};
 
 /// The arguments of `assets`.
@@ -20,7 +21,7 @@ pub(crate) fn run(args: &AssetsArgs) -> Result<(), Failure> {
     for (name, shows, scene) in demo::all() {
         let path = args.folder.join(format!("{name}.glb"));
         gltf::save(&scene, &path)?;
-        println!("{}: {shows}", path.display());
+        out!("{}: {shows}", path.display());
     }
     Ok(())
 }

@@ -8,6 +8,7 @@ use shadowgraph::measure::{Measured, ReferenceImage, pictures};
 use shadowgraph::prelude::*;
 
 use super::args::Size;
+use super::output::{note, out};
 use super::render::{open, with_progress};
 use super::timing::time_frames;
 use super::{Failure, files, other};
@@ -34,7 +35,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     files::make_folder(&args.output)?;
     let mut rows = Vec::new();
     for (name, shows, scene) in demo::all() {
-        eprintln!("{name}: {shows}");
+        note!("{name}: {shows}");
         let camera = scene.pose().map_err(RenderError::from)?.cameras.into_iter().next();
         let camera = camera.ok_or_else(|| Failure::Other(format!("demo scene '{name}' has no camera")))?;
         let request = FrameRequest::new(camera, args.size.0);
@@ -72,21 +73,24 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
             100.0 * wrong as f64 / compared.max(1) as f64,
             sum(|e| e.wrong_outside_band),
         ));
-        println!("{}", path.display());
+        out!("{}", path.display());
     }
     let [width, height] = args.size.0;
-    println!();
-    println!(
-        "{}, {width}x{height}, median of {} frames on the wall clock",
-        renderer.gpu().name(),
-        args.frames
-    );
-    println!(
+    out!("");
+    out!("{}, {width}x{height}, median of {} frames on the wall clock", renderer.gpu().name(), args.frames);
+    out!(
         "{:<10} {:>6} {:>12} {:>12} {:>14} {:>8} {:>12} {:>12}",
-        "scene", "lights", "unshadowed", "shadowed", "pixels judged", "wrong", "wrong %", "out of band"
+        "scene",
+        "lights",
+        "unshadowed",
+        "shadowed",
+        "pixels judged",
+        "wrong",
+        "wrong %",
+        "out of band"
     );
-    println!("{:<10} {:>6} {:>12} {:>12}", "", "", "ms", "ms");
-    rows.iter().for_each(|row| println!("{row}"));
+    out!("{:<10} {:>6} {:>12} {:>12}", "", "", "ms", "ms");
+    rows.iter().for_each(|row| out!("{row}"));
     Ok(())
 }
 

@@ -1,37 +1,150 @@
-//! Writing files whole or not at all.
+//! Writing files whole or not at all, and those of one command together.
 
-use std::io::Cursor;
-use std::path::Path;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Cursor, Write};
+use std::path::{Path, PathBuf};
 
 use shadowgraph::engine::gpu::Pixels;
 
 use super::{Failure, other};
 
-/// Writes `bytes` beside `path` and renames them there, so that `path` is never half-written.
-pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let name =
-        path.file_name().ok_or_else(|| Failure::Usage(format!("'{}' is no file name", path.display())))?;
-    let mut beside = name.to_owned();
-    beside.push(format!(".{}.tmp", std::process::id()));
-    let temporary = path.with_file_name(beside);
-    let failed =
-        |error: std::io::Error| Failure::Other(format!("cannot write '{}': {error}", path.display()));
-    let written = std::fs::write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, path));
-    written.map_err(|error| {
-        // The temporary file may not even exist; the error to report is the first one.
-        let _ = std::fs::remove_file(&temporary);
-        failed(error)
-    })
+/// The files a command writes. Each is written beside its place first; they are moved there when all are complete.
+/// Dropped before that, nothing is left behind.
+#[derive(Debug, Default)]
+pub(crate) struct Outputs {
+    /// Files that must not be written over.
+    inputs: Vec<PathBuf>,
+    /// The places spoken for.
+    reserved: Vec<PathBuf>,
+    staged: Vec<Staged>,
+    /// Folders that were not there before, outermost first.
+    made_folders: Vec<PathBuf>,
+    count: usize,
+}
+
+#[derive(Debug)]
+struct Staged {
+    path: PathBuf,
+    temporary: PathBuf,
+}
+
+impl Outputs {
+    /// Outputs that may not replace `input`.
+    pub(crate) fn beside(input: &Path) -> Self {
+        let mut outputs = Self::default();
+        // What cannot be found is not read either.
+        outputs.inputs.extend(input.canonicalize());
+        outputs
+    }
+
+    /// Checks that `path` can be written, before any time is spent on what goes there.
+    pub(crate) fn reserve(&mut self, path: &Path) -> Result<(), Failure> {
+        let shown = path.display();
+        let name = path.file_name().ok_or_else(|| Failure::Usage(format!("'{shown}' is no file name")))?;
+        if path.is_dir() {
+            return Err(Failure::Other(format!("cannot write '{shown}': it is a folder")));
+        }
+        let folder = folder_of(path);
+        let inside = folder
+            .canonicalize()
+            .map_err(|error| Failure::Other(format!("cannot write '{shown}': its folder: {error}")))?;
+        let place = inside.join(name);
+        if place.canonicalize().is_ok_and(|place| self.inputs.contains(&place)) {
+            return Err(Failure::Usage(format!("'{shown}' is read; it cannot be written as well")));
+        }
+        if self.reserved.contains(&place) {
+            return Err(Failure::Usage(format!("'{shown}' is named for two outputs")));
+        }
+        let temporary = self.temporary(path);
+        let tried = OpenOptions::new().write(true).create_new(true).open(&temporary);
+        tried.and_then(|_| fs::remove_file(&temporary)).map_err(|error| cannot_write(path, &error))?;
+        self.reserved.push(place);
+        Ok(())
+    }
+
+    /// Makes a folder and those above it, to be removed again should the outputs not come to be.
+    pub(crate) fn make_folder(&mut self, path: &Path) -> Result<(), Failure> {
+        let missing = path.ancestors().filter(|p| !p.as_os_str().is_empty()).take_while(|p| !p.exists());
+        let mut missing: Vec<PathBuf> = missing.map(Path::to_path_buf).collect();
+        missing.reverse();
+        self.made_folders.extend(missing);
+        make_folder(path)
+    }
+
+    /// Writes a reserved file's contents beside its place, with `write`.
+    pub(crate) fn stage(
+        &mut self,
+        path: &Path,
+        write: impl FnOnce(&Path) -> io::Result<()>,
+    ) -> Result<(), Failure> {
+        let temporary = self.temporary(path);
+        self.staged.push(Staged { path: path.into(), temporary: temporary.clone() });
+        write(&temporary).map_err(|error| cannot_write(path, &error))
+    }
+
+    /// [`Outputs::stage`] of bytes.
+    pub(crate) fn stage_bytes(&mut self, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+        self.stage(path, |temporary| File::create_new(temporary)?.write_all(bytes))
+    }
+
+    /// Moves everything to its place.
+    pub(crate) fn commit(mut self) -> Result<(), Failure> {
+        for Staged { path, temporary } in &self.staged {
+            let moved = if is_device(path) {
+                File::open(temporary)
+                    .and_then(|mut from| io::copy(&mut from, &mut OpenOptions::new().write(true).open(path)?))
+                    .and_then(|_| fs::remove_file(temporary))
+            } else {
+                fs::rename(temporary, path)
+            };
+            moved.map_err(|error| cannot_write(path, &error))?;
+        }
+        self.staged.clear();
+        self.made_folders.clear();
+        Ok(())
+    }
+
+    /// A name beside `path` that nobody else uses, short however long the path's own is. Nothing is made beside
+    /// devices and pipes: those are written to, not replaced.
+    fn temporary(&mut self, path: &Path) -> PathBuf {
+        self.count += 1;
+        let name = format!(".shadowgraph-{}-{}.tmp", std::process::id(), self.count);
+        if is_device(path) { std::env::temp_dir().join(name) } else { folder_of(path).join(name) }
+    }
+}
+
+impl Drop for Outputs {
+    fn drop(&mut self) {
+        // The error worth telling is the one that led here; what cannot be removed stays.
+        for staged in &self.staged {
+            let _ = fs::remove_file(&staged.temporary);
+        }
+        for folder in self.made_folders.iter().rev() {
+            let _ = fs::remove_dir(folder);
+        }
+    }
+}
+
+fn cannot_write(path: &Path, error: &io::Error) -> Failure {
+    Failure::Other(format!("cannot write '{}': {error}", path.display()))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+fn is_device(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
 
 /// Makes a folder and those above it.
 pub(crate) fn make_folder(path: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(path)
+    fs::create_dir_all(path)
         .map_err(|error| Failure::Other(format!("cannot make folder '{}': {error}", path.display())))
 }
 
-/// Writes an 8-bit RGBA picture as PNG.
-pub(crate) fn write_png(path: &Path, pixels: &Pixels) -> Result<(), Failure> {
+/// An 8-bit RGBA picture as PNG.
+pub(crate) fn png(pixels: &Pixels) -> Result<Vec<u8>, Failure> {
     let [width, height] = pixels.size_px;
     let mut png = Cursor::new(Vec::new());
     image::write_buffer_with_format(
@@ -43,5 +156,13 @@ pub(crate) fn write_png(path: &Path, pixels: &Pixels) -> Result<(), Failure> {
         image::ImageFormat::Png,
     )
     .map_err(other)?;
-    write_whole(path, png.get_ref())
+    Ok(png.into_inner())
+}
+
+/// Writes one picture as PNG.
+pub(crate) fn write_png(path: &Path, pixels: &Pixels) -> Result<(), Failure> {
+    let mut outputs = Outputs::default();
+    outputs.reserve(path)?;
+    outputs.stage_bytes(path, &png(pixels)?)?;
+    outputs.commit()
 }

@@ -7,6 +7,7 @@ use shadowgraph::engine::shadow::{Cache, Registry};
 use shadowgraph::prelude::*;
 
 use super::Failure;
+use super::output::out;
 use super::scenes::{SceneArgs, catalog};
 
 /// The arguments of `inspect`.
@@ -19,7 +20,7 @@ pub(crate) struct InspectArgs {
 pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     let (scene, camera) = args.scene.prepare()?;
     let posed = scene.pose().map_err(RenderError::from)?;
-    println!("nodes");
+    out!("nodes");
     for root in scene.roots() {
         print_node(&scene, *root, 1);
     }
@@ -29,7 +30,7 @@ pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     let request = FrameRequest::new(camera, args.scene.size.0);
     let plan = plan_frame(&posed, &registry, &request, &Adapter::imagined(), &mut Cache::new())
         .map_err(RenderError::from)?;
-    println!("{plan}");
+    out!("{plan}");
     Ok(())
 }
 
@@ -44,7 +45,11 @@ fn print_node(scene: &Scene, key: NodeKey, depth: usize) {
                 .filter_map(|m| scene.material(*m))
                 .map(|m| m.name.as_str())
                 .collect();
-            format!("mesh '{}', {} triangles, materials {materials:?}", mesh.name(), mesh.triangle_count())
+            format!(
+                "mesh '{}', {} triangles, materials {materials:?}",
+                mesh.name().escape_debug(),
+                mesh.triangle_count()
+            )
         }),
         Content::Light(light) => scene.light(*light).map_or_else(String::new, |light| {
             let range = light.range_m.map_or(String::new(), |m| format!(", range {m} m"));
@@ -70,14 +75,14 @@ fn print_node(scene: &Scene, key: NodeKey, depth: usize) {
             )
         }),
     };
-    println!("{:indent$}'{}' {what}", "", node.name, indent = depth * 2);
+    out!("{:indent$}'{}' {what}", "", node.name.escape_debug(), indent = depth * 2);
     for child in node.children() {
         print_node(scene, *child, depth + 1);
     }
 }
 
 fn print_casters(posed: &Posed) {
-    println!("casters");
+    out!("casters");
     for instance in &posed.instances {
         let closedness = instance.mesh.topology().closedness();
         let solid = instance.mesh.topology().orientation(&instance.world_from_local).is_some();
@@ -87,10 +92,10 @@ fn print_casters(posed: &Posed) {
             (true, true) => "; has alpha-masked parts",
             (true, false) => "",
         };
-        println!(
+        out!(
             "  '{}' {kind}: {} boundary, {} non-manifold, {} inconsistent edges, {} degenerate triangles, \
              {} components, signed volume {:.4e} m3{alpha}",
-            instance.name,
+            instance.name.escape_debug(),
             closedness.boundary_edges,
             closedness.non_manifold_edges,
             closedness.inconsistent_edges,
@@ -102,17 +107,17 @@ fn print_casters(posed: &Posed) {
 }
 
 fn print_claims(posed: &Posed, registry: &Registry) {
-    println!("lights");
+    out!("lights");
     for (light, claims) in posed.lights.iter().zip(&registry.lights) {
         if claims.is_empty() {
-            println!("  '{}' casts no shadow", light.name);
+            out!("  '{}' casts no shadow", light.name);
         }
         for claim in claims {
             let technique = &claim.technique;
-            println!(
+            out!(
                 "  '{}' from '{}': {} {:?}, {} casters; known error: {}",
                 light.name,
-                claim.node,
+                claim.node.escape_debug(),
                 technique.type_name(),
                 technique.params(),
                 claim.casters.len(),

@@ -5,17 +5,22 @@ mod assets;
 mod demo;
 mod files;
 mod inspect;
+mod output;
 mod render;
 mod scenes;
 mod timing;
 
 use std::process::ExitCode;
 
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use shadowgraph::engine::gltf::GltfError;
+use shadowgraph::engine::manager::FrameError;
 use shadowgraph::measure::EvaluateError;
 use shadowgraph::prelude::*;
 use thiserror::Error;
+
+use output::{note, one_line, out};
 
 /// Shadows as nodes that tell how fast and how wrong they are.
 #[derive(Debug, Parser)]
@@ -60,32 +65,88 @@ pub(crate) fn other(error: impl std::fmt::Display) -> Failure {
     Failure::Other(error.to_string())
 }
 
+impl Failure {
+    /// 2 for what can be mended on the command line, 1 for everything else.
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::Usage(_) | Self::Render(RenderError::Frame(FrameError::Size { .. })) => 2,
+            _ => 1,
+        }
+    }
+}
+
 /// Parses the arguments and runs the command.
 pub(crate) fn run() -> ExitCode {
-    let cli = Cli::parse();
-    if cli.list_adapters {
-        let adapters = Gpu::list();
-        adapters.iter().for_each(|adapter| println!("{adapter}"));
-        if adapters.is_empty() {
-            eprintln!("no graphics adapter");
+    let result = match Cli::try_parse() {
+        Ok(cli) if cli.list_adapters => list_adapters(),
+        Ok(cli) => match &cli.command {
+            Some(Command::Render(args)) => render::run(args),
+            Some(Command::Inspect(args)) => inspect::run(args),
+            Some(Command::Demo(args)) => demo::run(args),
+            Some(Command::Assets(args)) => assets::run(args),
+            None => Err(Failure::Usage(
+                "a command is needed: render, inspect, demo or assets (see --help)".into(),
+            )),
+        },
+        Err(asked) if matches!(asked.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
+            // A reader of help that stops reading has read enough.
+            let _ = asked.print();
+            Ok(())
         }
-        return ExitCode::from(u8::from(adapters.is_empty()));
-    }
-    let result = match &cli.command {
-        Some(Command::Render(args)) => render::run(args),
-        Some(Command::Inspect(args)) => inspect::run(args),
-        Some(Command::Demo(args)) => demo::run(args),
-        Some(Command::Assets(args)) => assets::run(args),
-        None => {
-            Err(Failure::Usage("a command is needed: render, inspect, demo or assets (see --help)".into()))
+        // The list needs neither a scene nor anything else that a command may ask for.
+        Err(error)
+            if error.kind() == ErrorKind::MissingRequiredArgument
+                && std::env::args_os().any(|argument| argument == "--list-adapters") =>
+        {
+            list_adapters()
         }
+        Err(error) => Err(Failure::Usage(short(&error.to_string()))),
     };
-    match result {
+    match result.and_then(|()| output::finish()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            // One line, whatever the message was made of.
-            eprintln!("error: {}", failure.to_string().split_whitespace().collect::<Vec<_>>().join(" "));
-            ExitCode::from(if matches!(failure, Failure::Usage(_)) { 2 } else { 1 })
+            note!("error: {failure}");
+            ExitCode::from(failure.exit_code())
+        }
+    }
+}
+
+fn list_adapters() -> Result<(), Failure> {
+    let adapters = Gpu::list();
+    adapters.iter().for_each(|adapter| out!("{adapter}"));
+    if adapters.is_empty() {
+        // Opening fails as well, and says what to install.
+        Gpu::open(&AdapterChoice::Auto).map_err(RenderError::from)?;
+    }
+    Ok(())
+}
+
+/// What clap says in its first paragraph and its hint, as one line: the usage that follows is what `--help` is for.
+fn short(message: &str) -> String {
+    let mut paragraphs = message.split("\n\n").map(str::trim);
+    let problem = one_line(paragraphs.next().unwrap_or_default());
+    let problem = problem.strip_prefix("error: ").unwrap_or(&problem);
+    let similar = paragraphs.find_map(|tip| tip.strip_prefix("tip: ").filter(|tip| tip.contains("similar")));
+    let similar = similar.map_or(String::new(), |tip| format!("; {}", one_line(tip)));
+    format!("{problem}{similar} (see --help)")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn usage_errors_are_one_line() {
+        let said = |arguments: &[&str]| short(&Cli::try_parse_from(arguments).unwrap_err().to_string());
+        let missing = said(&["shadowgraph", "render"]);
+        assert!(missing.contains("--output") && missing.contains("<SCENE>"), "{missing}");
+        let unknown = said(&["shadowgraph", "render", "x", "-o", "y", "--sise", "3x3"]);
+        assert!(unknown.contains("'--sise'") && unknown.contains("'--size'"), "{unknown}");
+        for line in [missing, unknown] {
+            assert!(
+                !line.contains('\n') && !line.starts_with("error") && line.ends_with("(see --help)"),
+                "{line}"
+            );
         }
     }
 }

@@ -5,10 +5,14 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Map, Value, json};
+use shadowgraph::engine::gpu::GpuError;
 use shadowgraph::engine::manager::Frame;
+use shadowgraph::measure::pictures::PictureError;
 use shadowgraph::measure::{ErrorTable, Evaluation, LightError, evaluate, measured, pictures};
 use shadowgraph::prelude::*;
 
+use super::files::Outputs;
+use super::output::{note, out};
 use super::scenes::{SceneArgs, catalog};
 use super::timing::{Spread, Timed, time_frames};
 use super::{Failure, files, other};
@@ -41,46 +45,58 @@ pub(crate) struct RenderArgs {
 /// Opens the adapter that was asked for and says which one it is.
 pub(crate) fn open(adapter: Option<&str>) -> Result<Renderer, Failure> {
     let choice = adapter.map_or(AdapterChoice::Auto, |name| AdapterChoice::Named(name.into()));
-    let gpu = Gpu::open(&choice).map_err(RenderError::from)?;
-    eprintln!("adapter: {}", gpu.name());
+    let gpu = Gpu::open(&choice).or_else(|error| match error {
+        // Where there is none at all, the name is not what is wrong.
+        GpuError::NoSuchAdapter { .. } if Gpu::list().is_empty() => Gpu::open(&AdapterChoice::Auto),
+        error => Err(error),
+    });
+    let gpu = gpu.map_err(|error| match error {
+        GpuError::NoSuchAdapter { .. } => Failure::Usage(error.to_string()),
+        error => RenderError::from(error).into(),
+    })?;
+    note!("adapter: {}", gpu.name());
     Ok(Renderer::new(gpu, catalog()))
 }
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let (scene, camera) = args.scene.prepare()?;
+    // Where the results go is checked before any time is spent on them.
+    let mut outputs = Outputs::beside(&args.scene.scene);
+    outputs.reserve(&args.output)?;
+    args.json.iter().try_for_each(|path| outputs.reserve(path))?;
+    args.visibility.iter().try_for_each(|folder| outputs.make_folder(folder))?;
+
     let mut renderer = open(args.adapter.as_deref())?;
-    let mut request = FrameRequest::new(camera, args.scene.size.0);
-    request.factors = args.visibility.is_some();
+    let request = FrameRequest::new(camera, args.scene.size.0);
     let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
     let frame = renderer.render(&scene, &request, &options)?;
-
     let timed = match args.frames {
-        Some(frames) => {
-            let unasked = FrameRequest { factors: false, ..request.clone() };
-            Some(time_frames(&mut renderer, &scene, &unasked, frames as usize)?)
-        }
+        Some(frames) => Some(time_frames(&mut renderer, &scene, &request, frames as usize)?),
         None => None,
     };
     let evaluation = if args.error { Some(with_progress(&mut renderer, &scene, &request)?) } else { None };
 
-    // Everything is computed; now it is written.
     if let Some(folder) = &args.visibility {
-        write_factors(folder, &frame, request.size_px)?;
+        // Factors take passes of their own, which are no part of what was timed.
+        let request = FrameRequest { factors: true, ..request.clone() };
+        let frame = renderer.render(&scene, &request, &RenderOptions::default())?;
+        stage_factors(&mut outputs, folder, &frame, request.size_px)?;
     }
     if let Some(path) = &args.json {
         let errors = evaluation.as_ref().map_or(&[][..], |e| &e.errors);
         let report = report(renderer.gpu(), &frame, timed.as_ref(), errors, args.frames);
         let text = serde_json::to_string_pretty(&report).map_err(other)?;
-        files::write_whole(path, format!("{text}\n").as_bytes())?;
+        outputs.stage_bytes(path, format!("{text}\n").as_bytes())?;
     }
     if let Some(picture) = &frame.picture {
-        files::write_png(&args.output, picture)?;
+        outputs.stage_bytes(&args.output, &files::png(picture)?)?;
     }
+    outputs.commit()?;
     if let Some(timed) = &timed {
         print_times(&frame, timed);
     }
     if let Some(evaluation) = &evaluation {
-        println!("{}", ErrorTable(&evaluation.errors));
+        out!("{}", ErrorTable(&evaluation.errors));
     }
     Ok(())
 }
@@ -103,16 +119,28 @@ pub(crate) fn with_progress(
     Ok(evaluation?)
 }
 
-fn write_factors(folder: &Path, frame: &Frame, size_px: [u32; 2]) -> Result<(), Failure> {
-    files::make_folder(folder)?;
+/// Every light's factor, to go to its file in `folder`.
+fn stage_factors(
+    outputs: &mut Outputs,
+    folder: &Path,
+    frame: &Frame,
+    size_px: [u32; 2],
+) -> Result<(), Failure> {
     let measured = measured(frame, size_px)?;
     for light in &frame.plan.lights {
         let image = measured.lights.iter().find(|(name, _)| *name == light.name);
         // A light without shadow node shines everywhere.
         let lit = || measured.ids.iter().map(|id| if id[0] == u32::MAX { f32::NAN } else { 1.0 }).collect();
         let factor = image.map_or_else(lit, |(_, factor)| factor.clone());
-        pictures::write_factor(&folder.join(format!("{}.exr", light.name)), size_px, &factor)
-            .map_err(other)?;
+        let path = folder.join(format!("{}.exr", light.name));
+        outputs.reserve(&path)?;
+        outputs.stage(&path, |temporary| {
+            pictures::write_factor(temporary, size_px, &factor).map_err(|error| match error {
+                // The caller names the place it is for.
+                PictureError::Write { source, .. } => source,
+                error => std::io::Error::other(error.to_string()),
+            })
+        })?;
     }
     Ok(())
 }
@@ -120,13 +148,13 @@ fn write_factors(folder: &Path, frame: &Frame, size_px: [u32; 2]) -> Result<(), 
 fn print_times(frame: &Frame, timed: &Timed) {
     let spread =
         |s: &Spread| format!("median {:.3} ms, min {:.3}, max {:.3}", s.median_ms, s.min_ms, s.max_ms);
-    println!("frame, wall clock: {}", spread(&timed.wall));
+    out!("frame, wall clock: {}", spread(&timed.wall));
     if let Some(gpu) = &timed.gpu {
-        println!("frame, GPU clock: {}", spread(gpu));
+        out!("frame, GPU clock: {}", spread(gpu));
     }
     for (pass, ms) in frame.plan.passes.iter().zip(&timed.pass_ms) {
         let ms = ms.map_or("-".into(), |ms| format!("{ms:.3}"));
-        println!("  {ms:>9} ms  {}", pass.name);
+        out!("  {ms:>9} ms  {}", pass.name);
     }
 }
 

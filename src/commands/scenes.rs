@@ -12,7 +12,11 @@ use shadowgraph::measure::ReferenceShadow;
 use shadowgraph::prelude::*;
 
 use super::args::{Floor, LightArg, Size, TechniqueArg, vector};
+use super::output::note;
 use super::{Failure, other};
+
+/// The field of view where neither the scene nor the arguments name one.
+const DEFAULT_FOV_Y_DEG: f64 = 45.0;
 
 /// What every command that looks at a scene accepts.
 #[derive(Debug, Args)]
@@ -31,9 +35,9 @@ pub(crate) struct SceneArgs {
     /// What it looks at.
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, requires = "eye")]
     pub(crate) target: Option<DVec3>,
-    /// The vertical field of view of that eye, in degrees.
-    #[arg(long, value_name = "DEG", default_value_t = 45.0)]
-    pub(crate) fov_y: f64,
+    /// The vertical field of view of that eye, or where a scene has no camera, in degrees [default: 45].
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, conflicts_with = "camera")]
+    pub(crate) fov_y: Option<f64>,
     /// One node of this technique over all lights and meshes, instead of the scene's own; `none` for no shadows.
     #[arg(long, value_name = "NAME[:key=value,..]")]
     pub(crate) technique: Option<TechniqueArg>,
@@ -64,8 +68,12 @@ impl ShadowTypes for KnownTypes {
 pub(crate) fn load(path: &Path) -> Result<Scene, Failure> {
     let types = KnownTypes(catalog());
     let options = LoadOptions { shadow_types: Some(&types), ..LoadOptions::default() };
-    let loaded = load_with(path, &options)?;
-    loaded.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    let loaded = load_with(path, &options).map_err(|error| {
+        // Whatever is wrong, the file is part of what is named.
+        let (shown, said) = (path.display().to_string(), error.to_string());
+        if said.contains(&shown) { Failure::Gltf(error) } else { other(format!("'{shown}': {said}")) }
+    })?;
+    loaded.warnings.iter().for_each(|warning| note!("warning: {warning}"));
     Ok(loaded.scene)
 }
 
@@ -89,7 +97,7 @@ impl SceneArgs {
             replace_lights(&mut scene, &self.lights)?;
         } else if scene.pose().map_err(RenderError::from)?.lights.is_empty() {
             let direction = DVec3::new(-0.5, -1.0, -0.35).normalize();
-            eprintln!("note: the scene has no light; lit by directional:{direction:.3}");
+            note!("note: the scene has no light; lit by directional:{direction:.3}");
             replace_lights(&mut scene, &[LightArg::Directional { direction }])?;
         }
         let camera = self.camera(&scene)?;
@@ -97,34 +105,36 @@ impl SceneArgs {
     }
 
     fn camera(&self, scene: &Scene) -> Result<PosedCamera, Failure> {
-        let fov_y_rad = self.fov_y.to_radians();
-        if !(self.fov_y > 0.0 && self.fov_y < 180.0) {
-            return Err(Failure::Usage(format!(
-                "--fov-y is {}, accepted: above 0 and below 180",
-                self.fov_y
-            )));
+        let fov_y_deg = self.fov_y.unwrap_or(DEFAULT_FOV_Y_DEG);
+        let fov_y_rad = fov_y_deg.to_radians();
+        if !(fov_y_deg > 0.0 && fov_y_deg < 180.0) {
+            return Err(Failure::Usage(format!("--fov-y is {fov_y_deg}, accepted: above 0 and below 180")));
         }
         if let (Some(eye), Some(target)) = (self.eye, self.target) {
-            if eye == target {
+            if (target - eye).try_normalize().is_none() {
                 return Err(Failure::Usage("--eye and --target are the same point".into()));
             }
             return Ok(PosedCamera::looking(Camera::perspective("eye", fov_y_rad), eye, target));
         }
         let posed = scene.pose().map_err(RenderError::from)?;
-        let names = || posed.cameras.iter().map(|c| format!("'{}'", c.name)).collect::<Vec<_>>().join(", ");
+        let names = || match &posed.cameras[..] {
+            [] => "none".to_owned(),
+            all => all.iter().map(|c| format!("'{}'", c.name)).collect::<Vec<_>>().join(", "),
+        };
         match &self.camera {
             Some(name) => {
                 posed.cameras.iter().find(|camera| camera.name == *name).cloned().ok_or_else(|| {
                     Failure::Usage(format!("no camera is called '{name}' (there are: {})", names()))
                 })
             }
+            // The field of view would be ignored without a word.
+            None if self.fov_y.is_some() && !posed.cameras.is_empty() => Err(Failure::Usage(
+                "--fov-y needs --eye and --target: the scene's own camera has a field of view".into(),
+            )),
             None => Ok(posed.cameras.first().cloned().unwrap_or_else(|| {
                 let camera = framed(&posed.world_bounds, fov_y_rad, self.size.0);
                 let eye = camera.world_from_view.translation;
-                eprintln!(
-                    "note: the scene has no camera; framed from {:.3},{:.3},{:.3}",
-                    eye.x, eye.y, eye.z
-                );
+                note!("note: the scene has no camera; framed from {:.3},{:.3},{:.3}", eye.x, eye.y, eye.z);
                 camera
             })),
         }
