@@ -18,6 +18,8 @@
 //! - Sides end on one plane behind everything that can receive, where that is exact.
 //! - Counts of any size stay exact in the 8-bit stencil: see [`crate::common::layer_groups`].
 //!
+//! This file is longer than most so that the technique reads top to bottom.
+//!
 //! *Limits.* Alpha-masked casters are refused; blended ones cast through coloured techniques. Rasterisation snaps
 //! vertices to 1/256 pixel, so pixels whose centre is that near a shadow edge may fall to either side. A light nearer to
 //! a caster than about 10⁻⁵ of its size, but not touching it, sees edges span half circles: single pixels go wrong.

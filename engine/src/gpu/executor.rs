@@ -15,6 +15,7 @@ use super::{FrameUniform, Gpu, GpuError, InstanceUniform, LightUniform, Pixels};
 use crate::plan::{BufferUsage, FramePlan, Geometry, Shader, SlotId, SlotKind, SurfaceStyle};
 use crate::scene::{Posed, PosedCamera};
 
+mod attachments;
 mod encode;
 
 /// What is timed.

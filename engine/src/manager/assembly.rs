@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use wgpu::TextureFormat;
 
-use super::frame::FrameRequest;
+use super::request::FrameRequest;
 use super::surfaces::Surfaces;
 use crate::math::facing_sign;
 use crate::plan::{

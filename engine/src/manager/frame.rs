@@ -1,75 +1,13 @@
 //! Planning a frame: prepass, each light's passes, one shading pass; and nothing the scene does not call for.
 
-use thiserror::Error;
 use wgpu::TextureFormat;
 
 use super::assembly::{Assembly, Segment};
+use super::request::{Adapter, FrameError, FrameRequest, PictureFormat};
 use super::surfaces::{Surfaces, receiver_bounds};
 use crate::plan::{FramePlan, PlanBuilder};
-use crate::scene::{Posed, PosedCamera};
+use crate::scene::Posed;
 use crate::shadow::{Cache, LightPlan, Registry, ShadowError, View};
-
-/// Why a frame could not be planned.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[allow(missing_docs, reason = "the messages say what the fields are")]
-pub enum FrameError {
-    #[error("a picture of {width}x{height} was asked for; width and height must be from 1 to {limit}")]
-    Size { width: u32, height: u32, limit: u32 },
-    #[error(
-        "camera '{name}' is not valid: it needs 0 < near < far, and a field of view between 0 and pi or a positive height, all finite"
-    )]
-    Camera { name: String },
-    #[error(transparent)]
-    Shadow(#[from] ShadowError),
-}
-
-/// What the finished picture is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum PictureFormat {
-    /// Tone-mapped, 8 bits, sRGB.
-    #[default]
-    Srgb8,
-    /// Linear radiance times exposure in f32, not tone-mapped.
-    LinearF32,
-}
-
-/// What is wanted of a frame.
-#[derive(Clone, Debug)]
-pub struct FrameRequest {
-    /// From where.
-    pub camera: PosedCamera,
-    /// Width and height, in pixels.
-    pub size_px: [u32; 2],
-    /// The picture's format.
-    pub picture: PictureFormat,
-    /// Whether each shadowed light's factor is kept as an image, with the visible triangle of every pixel.
-    pub factors: bool,
-}
-
-impl FrameRequest {
-    /// An sRGB picture of this size from `camera`.
-    pub fn new(camera: PosedCamera, size_px: [u32; 2]) -> Self {
-        Self { camera, size_px, picture: PictureFormat::Srgb8, factors: false }
-    }
-}
-
-/// What the adapter offers a plan: its name, features and largest texture.
-#[derive(Clone, Debug)]
-pub struct Adapter<'a> {
-    /// The adapter's name, for errors.
-    pub name: &'a str,
-    /// Its features.
-    pub features: wgpu::Features,
-    /// Its largest texture side, in pixels.
-    pub max_size_px: u32,
-}
-
-impl Adapter<'static> {
-    /// An imagined adapter with every feature a plan may ask for: for planning without a device.
-    pub fn imagined() -> Self {
-        Self { name: "no adapter", features: wgpu::Features::all(), max_size_px: 16384 }
-    }
-}
 
 /// Plans one frame of `posed`. Needs no device.
 ///

@@ -4,8 +4,10 @@ mod assembly;
 mod exposure;
 mod frame;
 mod renderer;
+mod request;
 mod surfaces;
 
 pub use exposure::Exposure;
-pub use frame::{Adapter, FrameError, FrameRequest, PictureFormat, plan_frame};
+pub use frame::plan_frame;
 pub use renderer::{FactorImage, Frame, RenderError, RenderOptions, Renderer};
+pub use request::{Adapter, FrameError, FrameRequest, PictureFormat};

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use super::Exposure;
-use super::frame::{Adapter, FrameError, FrameRequest, PictureFormat, plan_frame};
+use super::frame::plan_frame;
+use super::request::{Adapter, FrameError, FrameRequest, PictureFormat};
 use crate::gpu::{Executed, Executor, FrameInputs, Gpu, GpuError, PassTime, Pixels, PixelsError, Timing};
 use crate::plan::{FramePlan, SlotId};
 use crate::scene::{Posed, Scene, SceneError};

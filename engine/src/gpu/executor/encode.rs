@@ -9,10 +9,10 @@ use super::super::groups::{PassGroup, place_of};
 use super::super::materials::{FEATURE_FLAGS, features};
 use super::super::meshes::GpuMesh;
 use super::super::pipelines::{Culling, VertexInput, Wanted};
+use super::attachments::{binding_view, color_attachment, color_view, depth_attachment};
 use super::{Executor, GpuSlot};
 use crate::plan::{
-    Access, Binding, BlendState, ColorTarget, DepthTarget, Draw, FramePlan, Geometry, Load, Pass, Shader,
-    SlotId, SlotKind, SurfaceStyle,
+    Binding, BlendState, Draw, FramePlan, Geometry, Pass, Shader, SlotId, SlotKind, SurfaceStyle,
 };
 use crate::scene::{AlphaMode, Instance, Material, Posed};
 
@@ -45,14 +45,18 @@ impl Scene<'_> {
         }
     }
 
-    fn format(&self, slot: SlotId) -> TextureFormat {
+    pub(super) fn format(&self, slot: SlotId) -> TextureFormat {
         match self.plan.slot(slot).kind {
             SlotKind::Texture { format, .. } => format,
             SlotKind::Buffer { .. } => TextureFormat::R8Unorm,
         }
     }
 
-    fn view(&self, slot: SlotId, descriptor: &wgpu::TextureViewDescriptor<'_>) -> Option<wgpu::TextureView> {
+    pub(super) fn view(
+        &self,
+        slot: SlotId,
+        descriptor: &wgpu::TextureViewDescriptor<'_>,
+    ) -> Option<wgpu::TextureView> {
         Some(self.texture(slot)?.create_view(descriptor))
     }
 }
@@ -382,74 +386,4 @@ fn draw_kinds(scene: &Scene<'_>, draw: &Draw, surface: Surface) -> Vec<(u32, Bin
         kinds.push((*number, kind));
     }
     kinds
-}
-
-fn binding_view(scene: &Scene<'_>, binding: &Binding) -> Option<wgpu::TextureView> {
-    let mut descriptor = wgpu::TextureViewDescriptor::default();
-    match binding {
-        Binding::Storage(_) => return None,
-        Binding::Texture(slot) => {
-            descriptor.dimension = Some(wgpu::TextureViewDimension::D2);
-            descriptor.array_layer_count = Some(1);
-            if scene.format(*slot).is_depth_stencil_format() {
-                descriptor.aspect = wgpu::TextureAspect::DepthOnly;
-            }
-        }
-        Binding::TextureArray(_) => descriptor.dimension = Some(wgpu::TextureViewDimension::D2Array),
-        Binding::TextureLayer(_, layer) => {
-            descriptor.dimension = Some(wgpu::TextureViewDimension::D2Array);
-            descriptor.base_array_layer = *layer;
-            descriptor.array_layer_count = Some(1);
-        }
-        Binding::StencilOf(_) => descriptor.aspect = wgpu::TextureAspect::StencilOnly,
-    }
-    scene.view(binding.slot(), &descriptor)
-}
-
-fn color_view(scene: &Scene<'_>, color: &ColorTarget) -> Option<wgpu::TextureView> {
-    scene.view(
-        color.slot,
-        &wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2),
-            base_array_layer: color.layer,
-            array_layer_count: Some(1),
-            ..Default::default()
-        },
-    )
-}
-
-fn color_attachment<'a>(
-    color: &ColorTarget,
-    view: &'a wgpu::TextureView,
-) -> wgpu::RenderPassColorAttachment<'a> {
-    let load = match color.load {
-        Load::Clear([r, g, b, a]) => wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
-        Load::Keep => wgpu::LoadOp::Load,
-    };
-    wgpu::RenderPassColorAttachment {
-        view,
-        depth_slice: None,
-        resolve_target: None,
-        ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
-    }
-}
-
-fn depth_attachment<'a>(
-    depth: &DepthTarget,
-    view: &'a wgpu::TextureView,
-) -> wgpu::RenderPassDepthStencilAttachment<'a> {
-    let store = wgpu::StoreOp::Store;
-    let depth_ops = match depth.depth {
-        Access::ReadOnly => None,
-        Access::Keep => Some(wgpu::Operations { load: wgpu::LoadOp::Load, store }),
-        Access::Clear(value) => Some(wgpu::Operations { load: wgpu::LoadOp::Clear(value), store }),
-    };
-    let stencil_ops = match depth.stencil {
-        None | Some(Access::ReadOnly) => None,
-        Some(Access::Keep) => Some(wgpu::Operations { load: wgpu::LoadOp::Load, store }),
-        Some(Access::Clear(value)) => {
-            Some(wgpu::Operations { load: wgpu::LoadOp::Clear(value as u32), store })
-        }
-    };
-    wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops }
 }
