@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use glam::{DAffine3, DVec3};
 use shadowgraph::engine::gltf::{LoadOptions, ShadowTypes, load_with};
-use shadowgraph::engine::math::Projection;
+use shadowgraph::engine::math::{Aabb, Projection};
 use shadowgraph::engine::scene::look_at;
 use shadowgraph::engine::shadow::Catalog;
 use shadowgraph::measure::ReferenceShadow;
@@ -87,6 +87,8 @@ impl SceneArgs {
                 self.scene.display()
             )));
         }
+        // What is framed is the scene, not the floor put under it.
+        let mut framed_bounds = scene.pose().map_err(RenderError::from)?.world_bounds;
         if let Some(floor) = &self.floor {
             add_floor(&mut scene, floor)?;
         }
@@ -100,11 +102,14 @@ impl SceneArgs {
             note!("note: the scene has no light; lit by directional:{direction:.3}");
             replace_lights(&mut scene, &[LightArg::Directional { direction }])?;
         }
-        let camera = self.camera(&scene)?;
+        if framed_bounds.is_empty() {
+            framed_bounds = scene.pose().map_err(RenderError::from)?.world_bounds;
+        }
+        let camera = self.camera(&scene, &framed_bounds)?;
         Ok((scene, camera))
     }
 
-    fn camera(&self, scene: &Scene) -> Result<PosedCamera, Failure> {
+    fn camera(&self, scene: &Scene, framed_bounds: &Aabb) -> Result<PosedCamera, Failure> {
         let fov_y_deg = self.fov_y.unwrap_or(DEFAULT_FOV_Y_DEG);
         let fov_y_rad = fov_y_deg.to_radians();
         if !(fov_y_deg > 0.0 && fov_y_deg < 180.0) {
@@ -132,7 +137,7 @@ impl SceneArgs {
                 "--fov-y needs --eye and --target: the scene's own camera has a field of view".into(),
             )),
             None => Ok(posed.cameras.first().cloned().unwrap_or_else(|| {
-                let camera = framed(&posed.world_bounds, fov_y_rad, self.size.0);
+                let camera = framed(framed_bounds, fov_y_rad, self.size.0);
                 let eye = camera.world_from_view.translation;
                 note!("note: the scene has no camera; framed from {:.3},{:.3},{:.3}", eye.x, eye.y, eye.z);
                 camera
@@ -142,11 +147,7 @@ impl SceneArgs {
 }
 
 /// A camera from the front, a little above and beside, that has everything in view.
-pub(crate) fn framed(
-    bounds: &shadowgraph::engine::math::Aabb,
-    fov_y_rad: f64,
-    size_px: [u32; 2],
-) -> PosedCamera {
+pub(crate) fn framed(bounds: &Aabb, fov_y_rad: f64, size_px: [u32; 2]) -> PosedCamera {
     let aspect = f64::from(size_px[0]) / f64::from(size_px[1]);
     let half_angle = (fov_y_rad * 0.5).min(((fov_y_rad * 0.5).tan() * aspect).atan());
     let radius_m = bounds.radius().max(1e-9);
