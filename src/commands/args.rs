@@ -118,11 +118,13 @@ impl FromStr for TechniqueArg {
     fn from_str(text: &str) -> Result<Self, String> {
         let (name, options) = text.split_once(':').unwrap_or((text, ""));
         let mut params = Params::new();
-        for option in options.split(',').filter(|option| !option.is_empty()) {
+        for option in options.split(',').filter(|_| !options.is_empty()) {
             let (key, value) = option.split_once('=').ok_or_else(|| {
                 format!("'{option}' is no option; accepted: key=value, several joined by commas")
             })?;
-            params.insert(key.into(), param_value(value));
+            if params.insert(key.into(), param_value(value)).is_some() {
+                return Err(format!("option '{key}' is given twice"));
+            }
         }
         Ok(Self { name: name.into(), params })
     }
@@ -175,6 +177,8 @@ mod tests {
         for text in ["0:-1", "0:0", "0:1e-60", "0:1e16", "1e300:1", "nan:1", "0:nan", "0"] {
             assert!(text.parse::<Floor>().is_err(), "{text}");
         }
-        assert!("hard:depthTest".parse::<TechniqueArg>().is_err());
+        for text in ["hard:depthTest", "hard:,", "hard:a=1,", "hard:a=1,a=2"] {
+            assert!(text.parse::<TechniqueArg>().is_err(), "{text}");
+        }
     }
 }

@@ -136,13 +136,24 @@ impl SceneArgs {
             None if self.fov_y.is_some() && !posed.cameras.is_empty() => Err(Failure::Usage(
                 "--fov-y needs --eye and --target: the scene's own camera has a field of view".into(),
             )),
-            None => Ok(posed.cameras.first().cloned().unwrap_or_else(|| {
-                let camera = framed(framed_bounds, fov_y_rad, self.size.0);
-                let eye = camera.world_from_view.translation;
-                note!("note: the scene has no camera; framed from {:.3},{:.3},{:.3}", eye.x, eye.y, eye.z);
-                camera
-            })),
+            None => match posed.cameras.first() {
+                Some(first) => Ok(first.clone()),
+                None => self.framed_camera(framed_bounds, fov_y_rad),
+            },
         }
+    }
+
+    /// The camera of a scene without one, said on stderr.
+    fn framed_camera(&self, bounds: &Aabb, fov_y_rad: f64) -> Result<PosedCamera, Failure> {
+        let camera = framed(bounds, fov_y_rad, self.size.0);
+        if !(camera.projection.is_valid() && camera.world_from_view.is_finite()) {
+            return Err(Failure::Other(
+                "the scene reaches too far to be framed; --eye and --target say from where to look".into(),
+            ));
+        }
+        let eye = camera.world_from_view.translation;
+        note!("note: the scene has no camera; framed from {:.3},{:.3},{:.3}", eye.x, eye.y, eye.z);
+        Ok(camera)
     }
 }
 
@@ -181,7 +192,10 @@ fn add_floor(scene: &mut Scene, floor: &Floor) -> Result<(), Failure> {
 fn replace_shadows(scene: &mut Scene, technique: &TechniqueArg) -> Result<(), Failure> {
     clear_contents(scene, |content| matches!(content, Content::Shadow(_)));
     if technique.name == "none" {
-        return Ok(());
+        return match technique.params.keys().next() {
+            None => Ok(()),
+            Some(option) => Err(Failure::Usage(format!("technique none has no option '{option}'"))),
+        };
     }
     let catalog = catalog();
     let entry = catalog.find(&technique.name).ok_or_else(|| {
