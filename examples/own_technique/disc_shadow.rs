@@ -21,7 +21,8 @@ use shadowgraph::engine::plan::{
 };
 use shadowgraph::engine::scene::{Instance, ParamValue, Params, ShadowNode};
 use shadowgraph::engine::shadow::{
-    Channels, LightPlan, OptionError, OptionReader, ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
+    Channels, LightPlan, OptionError, OptionReader, Setting, ShadowError, ShadowTechnique, TechniqueEntry,
+    hash_of,
 };
 use shadowgraph::nodes::common::culling::may_shadow;
 
@@ -45,6 +46,11 @@ impl DiscShadow {
         short_name: "disc",
         summary: "shadows of flat round discs, computed at every pixel",
         from_params: |params| Ok(Arc::new(Self::from_params(params)?)),
+        settings: &[Setting {
+            name: "soft rim",
+            why: "a rim that fades over 5 cm, which no point light has",
+            params: || Self { edge_m: 0.05 }.params(),
+        }],
     };
 
     fn from_params(params: &Params) -> Result<Self, OptionError> {

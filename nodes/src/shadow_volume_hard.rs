@@ -33,7 +33,7 @@ use shadowgraph_engine::plan::{
 };
 use shadowgraph_engine::scene::{Instance, ParamValue, Params, ShadowNode};
 use shadowgraph_engine::shadow::{
-    Features, LightPlan, OptionError, OptionReader, Requirements, ShadowError, ShadowTechnique,
+    Features, LightPlan, OptionError, OptionReader, Requirements, Setting, ShadowError, ShadowTechnique,
     TechniqueEntry, hash_of,
 };
 
@@ -104,6 +104,28 @@ impl ShadowVolumeHard {
         short_name: "hard",
         summary: "exact hard shadows of any triangles, counted in the stencil",
         from_params: |params| Ok(Arc::new(Self::from_params(params)?)),
+        settings: &[
+            Setting {
+                name: "z-pass",
+                why: "counting from the near plane, which needs no caps",
+                params: || Self { depth_test: DepthTest::ZPass, ..Self::default() }.params(),
+            },
+            Setting {
+                name: "z-fail",
+                why: "counting from infinity, which is right wherever the eye is",
+                params: || Self { depth_test: DepthTest::ZFail, ..Self::default() }.params(),
+            },
+            Setting {
+                name: "open",
+                why: "every triangle casts, closed casters too",
+                params: || Self { geometry: GeometryMode::Open, ..Self::default() }.params(),
+            },
+            Setting {
+                name: "infinite",
+                why: "sides to infinity, where the default ends them behind what receives",
+                params: || Self { extrusion: Extrusion::Infinite, ..Self::default() }.params(),
+            },
+        ],
     };
 
     /// Reads the options.

@@ -31,6 +31,7 @@ impl ReferenceShadow {
             OptionReader::new(TYPE_NAME, params).finish()?;
             Ok(Arc::new(Self))
         },
+        settings: &[],
     };
 }
 

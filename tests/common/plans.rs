@@ -187,6 +187,7 @@ impl Veil {
         short_name: "veil",
         summary: "leaves the factor in a visibility target",
         from_params: |_| Ok(Arc::new(Self)),
+        settings: &[],
     };
 }
 

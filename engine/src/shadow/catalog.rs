@@ -47,6 +47,23 @@ pub trait ShadowTechnique: fmt::Debug + Send + Sync {
     fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError>;
 }
 
+/// A quality setting of a technique: options that reports and tests try beside its defaults.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting {
+    /// A short name that no other setting of the technique has.
+    pub name: &'static str,
+    /// What it is tried for, in one line.
+    pub why: &'static str,
+    /// The options; what is left out has its default.
+    pub params: fn() -> Params,
+}
+
+impl Setting {
+    /// Every option at its default: the one setting that every technique has.
+    pub const DEFAULT: Self =
+        Self { name: "default", why: "every option at its default", params: Params::new };
+}
+
 /// A technique as the catalog knows it.
 #[derive(Clone, Copy, Debug)]
 pub struct TechniqueEntry {
@@ -58,6 +75,15 @@ pub struct TechniqueEntry {
     pub summary: &'static str,
     /// Makes the technique from its options.
     pub from_params: fn(&Params) -> Result<Arc<dyn ShadowTechnique>, OptionError>,
+    /// Its quality settings beside the default.
+    pub settings: &'static [Setting],
+}
+
+impl TechniqueEntry {
+    /// The default, and then every setting of the technique.
+    pub fn all_settings(&self) -> impl Iterator<Item = Setting> {
+        std::iter::once(Setting::DEFAULT).chain(self.settings.iter().copied())
+    }
 }
 
 /// The techniques a renderer knows.

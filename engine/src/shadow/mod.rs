@@ -12,7 +12,7 @@ mod options;
 mod registry;
 
 pub use cache::{Cache, hash_of};
-pub use catalog::{Catalog, Requirements, ShadowTechnique, TechniqueEntry};
+pub use catalog::{Catalog, Requirements, Setting, ShadowTechnique, TechniqueEntry};
 pub use error::ShadowError;
 pub use light_plan::{Channels, LightPlan, View};
 pub use options::{OptionError, OptionReader};
