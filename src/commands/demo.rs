@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 use shadowgraph::demo;
+use shadowgraph::measure::timing::time_frames;
 use shadowgraph::measure::{Measured, ReferenceImage, pictures};
 use shadowgraph::prelude::*;
 
 use super::args::Size;
 use super::output::{note, out};
 use super::render::{open, with_progress};
-use super::timing::time_frames;
 use super::{Failure, files, other};
 
 /// The arguments of `demo`.
@@ -66,8 +66,8 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
         rows.push(format!(
             "{name:<10} {:>6} {:>12.2} {:>12.2} {:>14} {:>8} {:>12.5} {:>12}",
             evaluation.errors.len(),
-            plain.wall.median_ms,
-            timed.wall.median_ms,
+            plain.wall_ms.median,
+            timed.wall_ms.median,
             compared,
             wrong,
             100.0 * wrong as f64 / compared.max(1) as f64,

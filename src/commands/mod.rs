@@ -8,7 +8,6 @@ mod inspect;
 mod output;
 mod render;
 mod scenes;
-mod timing;
 
 use std::process::ExitCode;
 

@@ -7,14 +7,15 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Map, Value, json};
 use shadowgraph::engine::gpu::GpuError;
 use shadowgraph::engine::manager::Frame;
+use shadowgraph::measure::json::{error_json, spread_json};
 use shadowgraph::measure::pictures::PictureError;
+use shadowgraph::measure::timing::{Spread, Timed, time_frames};
 use shadowgraph::measure::{ErrorTable, Evaluation, LightError, evaluate, measured, pictures};
 use shadowgraph::prelude::*;
 
 use super::files::Outputs;
 use super::output::{note, out};
 use super::scenes::{SceneArgs, catalog};
-use super::timing::{Spread, Timed, time_frames};
 use super::{Failure, files, other};
 
 /// The arguments of `render`.
@@ -146,14 +147,13 @@ fn stage_factors(
 }
 
 fn print_times(frame: &Frame, timed: &Timed) {
-    let spread =
-        |s: &Spread| format!("median {:.3} ms, min {:.3}, max {:.3}", s.median_ms, s.min_ms, s.max_ms);
-    out!("frame, wall clock: {}", spread(&timed.wall));
-    if let Some(gpu) = &timed.gpu {
+    let spread = |s: &Spread| format!("median {:.3} ms, min {:.3}, max {:.3}", s.median, s.min, s.max);
+    out!("frame, wall clock: {}", spread(&timed.wall_ms));
+    if let Some(gpu) = &timed.passes.frame_ms {
         out!("frame, GPU clock: {}", spread(gpu));
     }
-    for (pass, ms) in frame.plan.passes.iter().zip(&timed.pass_ms) {
-        let ms = ms.map_or("-".into(), |ms| format!("{ms:.3}"));
+    for (pass, ms) in frame.plan.passes.iter().zip(&timed.passes.pass_ms) {
+        let ms = ms.map_or("-".into(), |ms| format!("{:.3}", ms.median));
         out!("  {ms:>9} ms  {}", pass.name);
     }
 }
@@ -165,7 +165,6 @@ fn report(
     errors: &[LightError],
     frames: Option<u32>,
 ) -> Value {
-    let spread = |s: &Spread| json!({ "median_ms": s.median_ms, "min_ms": s.min_ms, "max_ms": s.max_ms });
     let passes: Vec<Value> = frame
         .plan
         .passes
@@ -178,7 +177,7 @@ fn report(
                 "reason": pass.reason,
                 "draws": pass.draws.len(),
                 "vertices": vertices,
-                "gpu_ms": timed.and_then(|timed| timed.pass_ms.get(index).copied().flatten()),
+                "gpu_ms": timed.and_then(|timed| timed.passes.pass_ms.get(index).copied().flatten()).map(|ms| ms.median),
             })
         })
         .collect();
@@ -207,38 +206,11 @@ fn report(
         "lights": lights,
     });
     if let Some(timed) = timed {
-        let mut times = spread(&timed.wall);
+        let mut times = spread_json(&timed.wall_ms);
         times["count"] = json!(frames);
-        times["wall"] = spread(&timed.wall);
-        times["gpu"] = timed.gpu.as_ref().map_or(Value::Null, spread);
+        times["wall"] = spread_json(&timed.wall_ms);
+        times["gpu"] = timed.passes.frame_ms.as_ref().map_or(Value::Null, spread_json);
         report["frames"] = times;
     }
     report
-}
-
-fn error_json(error: &LightError) -> Value {
-    json!({
-        "compared": error.compared,
-        "different_triangle": error.different_triangle,
-        "boundary_pixels": error.boundary_pixels,
-        "band_pixels": error.band_pixels,
-        "wrong": error.wrong,
-        "leak": error.leak,
-        "false": error.false_shadow,
-        "wrong_outside_band": error.wrong_outside_band,
-        "leak_outside_band": error.leak_outside_band,
-        "false_outside_band": error.false_outside_band,
-        "rmse": error.rmse,
-        "signed_mean": error.signed_mean,
-        "p99": error.p99,
-        "max": error.max,
-        "boundary_distance_mean_px": finite(error.boundary_distance_mean_px),
-        "boundary_distance_max_px": finite(error.boundary_distance_max_px),
-        "exact": error.passes(),
-    })
-}
-
-/// JSON has no infinity.
-fn finite(value: f64) -> Value {
-    if value.is_finite() { json!(value) } else { Value::Null }
 }

@@ -9,12 +9,14 @@
 mod bvh;
 mod distance;
 mod evaluate;
+pub mod json;
 mod metrics;
 pub mod pictures;
 mod reference;
 mod render;
 mod surface;
 mod technique;
+pub mod timing;
 
 pub use evaluate::{EvaluateError, Evaluation, evaluate, measured, queries};
 pub use metrics::{

@@ -1,0 +1,45 @@
+//! Measurements as JSON, in the one shape that every command writes.
+
+use serde_json::{Value, json};
+
+use super::LightError;
+use super::timing::Spread;
+
+/// A spread of times.
+pub fn spread_json(times_ms: &Spread) -> Value {
+    json!({
+        "median_ms": times_ms.median,
+        "lower_quartile_ms": times_ms.lower,
+        "upper_quartile_ms": times_ms.upper,
+        "min_ms": times_ms.min,
+        "max_ms": times_ms.max,
+    })
+}
+
+/// Everything that was measured of one light.
+pub fn error_json(error: &LightError) -> Value {
+    json!({
+        "compared": error.compared,
+        "different_triangle": error.different_triangle,
+        "boundary_pixels": error.boundary_pixels,
+        "band_pixels": error.band_pixels,
+        "wrong": error.wrong,
+        "leak": error.leak,
+        "false": error.false_shadow,
+        "wrong_outside_band": error.wrong_outside_band,
+        "leak_outside_band": error.leak_outside_band,
+        "false_outside_band": error.false_outside_band,
+        "rmse": error.rmse,
+        "signed_mean": error.signed_mean,
+        "p99": error.p99,
+        "max": error.max,
+        "boundary_distance_mean_px": finite(error.boundary_distance_mean_px),
+        "boundary_distance_max_px": finite(error.boundary_distance_max_px),
+        "exact": error.passes(),
+    })
+}
+
+/// JSON has no infinity: `null`.
+pub fn finite(value: f64) -> Value {
+    if value.is_finite() { json!(value) } else { Value::Null }
+}

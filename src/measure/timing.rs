@@ -1,0 +1,186 @@
+//! Timing frames: warm-up, medians, spread; several scenes in turn, so that what slows the machine slows all alike.
+
+use std::time::{Duration, Instant};
+
+use shadowgraph_engine::gpu::Timing;
+use shadowgraph_engine::manager::{FrameRequest, RenderError, RenderOptions, Renderer};
+use shadowgraph_engine::scene::Scene;
+
+/// Median, quartiles, minimum and maximum of some values.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spread {
+    /// Half of the values are not above it.
+    pub median: f64,
+    /// A quarter of the values are not above it.
+    pub lower: f64,
+    /// Three quarters of the values are not above it.
+    pub upper: f64,
+    /// The smallest.
+    pub min: f64,
+    /// The largest.
+    pub max: f64,
+}
+
+impl Spread {
+    /// Of any number of values; all zero of none.
+    pub fn of(mut values: Vec<f64>) -> Self {
+        values.sort_by(f64::total_cmp);
+        let Some(last) = values.len().checked_sub(1) else { return Self::default() };
+        // Between two values the quantile is interpolated.
+        let at = |share: f64| {
+            let place = share * last as f64;
+            let below = place.floor() as usize;
+            let above = (below + 1).min(last);
+            values[below] + (values[above] - values[below]) * place.fract()
+        };
+        Self { median: at(0.5), lower: at(0.25), upper: at(0.75), min: values[0], max: values[last] }
+    }
+}
+
+/// What timing a scene gave.
+#[derive(Clone, Debug)]
+pub struct Timed {
+    /// Whole frames on the wall clock, in milliseconds: planning, encoding, executing, waiting.
+    pub wall_ms: Spread,
+    /// What the passes took.
+    pub passes: PassTimes,
+}
+
+/// Times on the GPU's clock, in milliseconds.
+#[derive(Clone, Debug, Default)]
+pub struct PassTimes {
+    /// Whole frames, passes apart; `None` without timestamps.
+    pub frame_ms: Option<Spread>,
+    /// Every pass, in the plan's order; `None` without timestamps.
+    pub pass_ms: Vec<Option<Spread>>,
+}
+
+/// Frames rendered before any is counted.
+const WARM_UP_FRAMES: usize = 3;
+
+/// Times `frames` frames of an unmoved scene, and then as many with every pass apart.
+///
+/// # Errors
+/// As [`Renderer::render`].
+pub fn time_frames(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    request: &FrameRequest,
+    frames: usize,
+) -> Result<Timed, RenderError> {
+    let mut wall_ms = Vec::with_capacity(frames);
+    for frame in 0..frames + WARM_UP_FRAMES {
+        let start = Instant::now();
+        renderer.render(scene, request, &RenderOptions::default())?;
+        if frame >= WARM_UP_FRAMES {
+            wall_ms.push(milliseconds(start.elapsed()));
+        }
+    }
+    Ok(Timed { wall_ms: Spread::of(wall_ms), passes: time_passes(renderer, scene, request, frames)? })
+}
+
+/// Times `frames` frames with every pass apart, after one that is not counted.
+///
+/// # Errors
+/// As [`Renderer::render`].
+pub fn time_passes(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    request: &FrameRequest,
+    frames: usize,
+) -> Result<PassTimes, RenderError> {
+    let options = RenderOptions { timing: Timing::Passes, ..RenderOptions::default() };
+    let (mut gpu_ms, mut pass_ms): (Vec<f64>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
+    let mut passes = 0;
+    for frame in 0..frames + 1 {
+        let rendered = renderer.render(scene, request, &options)?;
+        passes = rendered.plan.passes.len();
+        if frame > 0 {
+            gpu_ms.extend(rendered.gpu_ms);
+            pass_ms.resize(rendered.times.len(), Vec::new());
+            rendered.times.iter().zip(&mut pass_ms).for_each(|(time, all)| all.push(time.gpu_ms));
+        }
+    }
+    let frame_ms = (!gpu_ms.is_empty()).then(|| Spread::of(gpu_ms));
+    let mut pass_ms: Vec<_> = pass_ms.into_iter().map(|times| Some(Spread::of(times))).collect();
+    pass_ms.resize(passes, None);
+    Ok(PassTimes { frame_ms, pass_ms })
+}
+
+/// How long scenes are timed in turn: until both the rounds and the time are enough, or the rounds are more than that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pace {
+    /// Rounds that are counted at least.
+    pub min_rounds: usize,
+    /// Rounds that are counted at most.
+    pub max_rounds: usize,
+    /// No round begins after this once there are enough.
+    pub budget: Duration,
+}
+
+/// One of several scenes that are timed in turn. Each has a renderer of its own, so that nothing kept for one is
+/// dropped for another.
+#[derive(Debug)]
+pub struct Runner {
+    /// What renders it.
+    pub renderer: Renderer,
+    /// What is rendered.
+    pub scene: Scene,
+    /// From where, and how large.
+    pub request: FrameRequest,
+}
+
+impl Runner {
+    fn frame_ms(&mut self) -> Result<f64, RenderError> {
+        let start = Instant::now();
+        self.renderer.render(&self.scene, &self.request, &RenderOptions::default())?;
+        Ok(milliseconds(start.elapsed()))
+    }
+}
+
+/// Renders one frame of every runner, round after round, and returns each runner's times in milliseconds: element `i`
+/// of each belongs to the same round. Every second round goes backwards, so that none always follows the same other.
+///
+/// # Errors
+/// As [`Renderer::render`].
+pub fn take_turns(runners: &mut [Runner], pace: &Pace) -> Result<Vec<Vec<f64>>, RenderError> {
+    let mut times_ms = vec![Vec::new(); runners.len()];
+    for runner in runners.iter_mut() {
+        for _ in 0..WARM_UP_FRAMES {
+            runner.frame_ms()?;
+        }
+    }
+    let start = Instant::now();
+    for round in 0..pace.max_rounds {
+        if round >= pace.min_rounds && start.elapsed() >= pace.budget {
+            break;
+        }
+        let mut order: Vec<usize> = (0..runners.len()).collect();
+        if round % 2 == 1 {
+            order.reverse();
+        }
+        for index in order {
+            times_ms[index].push(runners[index].frame_ms()?);
+        }
+    }
+    Ok(times_ms)
+}
+
+fn milliseconds(duration: Duration) -> f64 {
+    duration.as_secs_f64() * 1e3
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians_and_quartiles_of_odd_even_and_no_values() {
+        let five = Spread::of(vec![5.0, 1.0, 3.0, 2.0, 4.0]);
+        assert_eq!((five.min, five.lower, five.median, five.upper, five.max), (1.0, 2.0, 3.0, 4.0, 5.0));
+        let two = Spread::of(vec![4.0, 1.0]);
+        assert_eq!((two.lower, two.median, two.upper), (1.75, 2.5, 3.25));
+        assert_eq!(Spread::of(vec![7.0]).upper, 7.0);
+        assert_eq!(Spread::of(vec![]), Spread::default());
+    }
+}
