@@ -10,8 +10,11 @@ mod knots;
 mod plant;
 mod room;
 mod set;
+pub(crate) mod speed;
 
 use shadowgraph_engine::scene::Scene;
+
+pub use speed::speed;
 
 /// Every demo scene: file stem, what it shows, the scene.
 pub fn all() -> Vec<(&'static str, &'static str, Scene)> {
