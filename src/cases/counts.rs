@@ -14,7 +14,7 @@ fn stack(name: &str, layers: u32, layer: impl Fn(f32, f32) -> MeshData) -> MeshD
     MeshData::merged(name, (0..layers).map(|i| layer(FOOT + i as f32 * pitch, pitch * 0.5)))
 }
 
-fn boxes(layers: u32) -> MeshData {
+pub(super) fn boxes(layers: u32) -> MeshData {
     stack("boxes", layers, |y, height| cuboid(v(-0.25, y, -0.25), v(0.25, y + height, 0.25)))
 }
 
@@ -25,13 +25,13 @@ fn open_boxes(layers: u32) -> MeshData {
     })
 }
 
-fn quads(layers: u32) -> MeshData {
+pub(super) fn quads(layers: u32) -> MeshData {
     stack("quads", layers, |y, _| {
         quad([v(-0.25, y, 0.25), v(0.25, y, 0.25), v(0.25, y, -0.25), v(-0.25, y, -0.25)])
     })
 }
 
-fn under(name: &str, stack: MeshData) -> Stage {
+pub(super) fn under(name: &str, stack: MeshData) -> Stage {
     Stage::new(name)
         .floor()
         .caster(stack)

@@ -16,11 +16,13 @@ mod lights;
 mod many;
 mod repairs;
 mod stage;
+pub mod sweeps;
 mod table;
 mod topology;
 mod transforms;
 
-use shadowgraph_engine::scene::{PosedCamera, Scene};
+use shadowgraph_engine::scene::{Params, PosedCamera, Scene};
+use shadowgraph_engine::shadow::{OptionError, TechniqueEntry};
 use stage::Stage;
 
 pub use table::all;
@@ -67,6 +69,8 @@ pub struct Case {
     pub camera: PosedCamera,
     /// The frame's size.
     pub size_px: [u32; 2],
+    /// Options that belong to the case and not to a technique's quality, a light's radius say.
+    pub options: Params,
     /// What is right for the whole frame.
     pub expect: Expect,
     /// What is right at single points.
@@ -77,6 +81,27 @@ impl Case {
     /// The id and the variant: a name no other case has.
     pub fn name(&self) -> String {
         if self.variant.is_empty() { self.id.into() } else { format!("{}/{}", self.id, self.variant) }
+    }
+
+    /// The scene with another technique in its shadow node: with `params`, and with those of the case's own options
+    /// that the technique has.
+    ///
+    /// # Errors
+    /// What the technique does not accept.
+    pub fn scene_with(&self, technique: &TechniqueEntry, params: &Params) -> Result<Scene, OptionError> {
+        let known = (technique.from_params)(params)?.params();
+        let own = self.options.iter().filter(|(name, _)| known.contains_key(*name));
+        let own = own.map(|(name, value)| (name.clone(), value.clone()));
+        let params: Params = params.clone().into_iter().chain(own).collect();
+        let mut scene = self.scene.clone();
+        let nodes: Vec<_> = scene.shadows().map(|(key, _)| key).collect();
+        for key in nodes {
+            if let Some(node) = scene.shadow_mut(key) {
+                node.technique = technique.type_name.into();
+                node.params = params.clone();
+            }
+        }
+        Ok(scene)
     }
 }
 

@@ -5,7 +5,7 @@ use shadowgraph_engine::geometry::shapes::{cuboid, plane};
 use shadowgraph_engine::geometry::{Mesh, MeshData};
 use shadowgraph_engine::math::Projection;
 use shadowgraph_engine::scene::{
-    Camera, Content, Image, Light, Material, MeshNode, PosedCamera, Scene, ShadowNode, TextureRef,
+    Camera, Content, Image, Light, Material, MeshNode, Params, PosedCamera, Scene, ShadowNode, TextureRef,
 };
 use std::sync::Arc;
 
@@ -20,6 +20,7 @@ pub(super) struct Stage {
     target: DVec3,
     projection: Projection,
     size_px: [u32; 2],
+    options: Params,
     expect: Expect,
     probes: Vec<Probe>,
     lights: usize,
@@ -70,6 +71,7 @@ impl Stage {
             target: p(0.0, 0.5, 0.0),
             projection: Projection::Perspective { fov_y_rad: 0.8, near_m: 0.1 },
             size_px: [256, 256],
+            options: Params::new(),
             expect: Expect::Shadow,
             probes: Vec::new(),
             lights: 0,
@@ -149,6 +151,20 @@ impl Stage {
         self
     }
 
+    /// The same, with nothing lit beyond `range_m`.
+    pub(super) fn spot_within(
+        mut self,
+        position: DVec3,
+        target: DVec3,
+        outer_rad: f64,
+        range_m: f64,
+    ) -> Self {
+        let name = self.next_light();
+        let light = Light::spot(&name, 40.0, outer_rad).with_range(range_m);
+        self.scene.add_light(light, position, target);
+        self
+    }
+
     /// Where the camera stands and looks.
     pub(super) fn eye(mut self, eye: DVec3, target: DVec3) -> Self {
         (self.eye, self.target) = (eye, target);
@@ -214,6 +230,7 @@ impl Stage {
             scene: self.scene,
             camera: PosedCamera::looking(camera, self.eye, self.target),
             size_px: self.size_px,
+            options: self.options,
             expect: self.expect,
             probes: self.probes,
         }
