@@ -99,6 +99,8 @@ fn a_shifted_picture_fails_unless_the_band_covers_the_shift() {
     assert!(!error.passes());
     assert!(error.boundary_distance_max_px <= 1.0);
     assert!(errors(true, shifted(1)).passes());
+    // Along the rows as well as across them.
+    assert!(!errors(true, shifted(2)).passes() && !errors(true, shifted(64 * 2)).passes());
     let error = errors(true, shifted(5));
     assert!(!error.passes());
     assert!(error.boundary_distance_max_px >= 4.0 && error.boundary_distance_mean_px > 1.0);
@@ -114,6 +116,13 @@ fn wrong_shapes_and_names_are_refused() {
         compare(&bad, &reference).unwrap_err()
     };
     assert!(matches!(refused(&|m| m.size_px = [48, 64]), CompareError::Size { .. }));
+    // Another size with all its pixels, too.
+    let smaller = |m: &mut Measured| {
+        m.size_px = [64, 47];
+        m.ids.truncate(64 * 47);
+        m.lights[0].1.truncate(64 * 47);
+    };
+    assert!(matches!(refused(&smaller), CompareError::Size { measured: [64, 47], reference: SIZE }));
     assert!(matches!(refused(&|m| m.ids.truncate(5)), CompareError::Length { count: 5, .. }));
     assert!(matches!(refused(&|m| m.lights[0].1.truncate(6)), CompareError::Length { count: 6, .. }));
     assert!(matches!(refused(&|m| m.lights.clear()), CompareError::MissingLight { .. }));
@@ -144,6 +153,99 @@ fn hollow_comparisons_do_not_pass() {
     wide.lights[0].ambiguous.fill(true);
     let error = compare(&measured(&wide), &wide).unwrap().remove(0);
     assert!(error.band_too_wide && !error.passes());
+}
+
+/// Three channels from one: what `change(channel, pixel, factor)` makes of it.
+fn colored(factor: &[f32], change: impl Fn(usize, usize, f32) -> f32) -> Vec<f32> {
+    let channels = |(pixel, factor): (usize, &f32)| [0, 1, 2].map(|channel| change(channel, pixel, *factor));
+    factor.iter().enumerate().flat_map(channels).collect()
+}
+
+#[test]
+fn a_colored_factor_is_judged_by_channel_and_by_its_worst() {
+    // Red glass: it takes green and blue away, half of the red and all but a tenth of the blue.
+    let mut reference = reference(true);
+    let tint =
+        |channel: usize, _: usize, factor: f32| if factor == 0.0 { [0.5, 0.0, 0.1][channel] } else { factor };
+    let grey = reference.lights[0].factor.clone();
+    reference.lights[0].factor = colored(&grey, tint);
+    let judge = |factor: Vec<f32>| {
+        let mut picture = measured(&reference);
+        picture.lights[0].1 = factor;
+        compare(&picture, &reference).unwrap().remove(0)
+    };
+    let error = judge(colored(&grey, tint));
+    assert!(error.passes() && error.max == 0.0, "{error:?}");
+    assert_eq!((error.shadow_pixels, error.boundary_pixels), (300, 69));
+    let penumbra = error.channels.iter().map(|channel| channel.penumbra_pixels);
+    assert_eq!(penumbra.collect::<Vec<_>>(), [300, 0, 300]);
+    let names = error.channels.iter().map(|channel| channel.name.as_str());
+    assert_eq!(names.collect::<Vec<_>>(), ["sun red", "sun green", "sun blue"]);
+
+    // Green lit where it is dark: a leak of the light, and of green alone.
+    let error = judge(colored(
+        &grey,
+        |channel, pixel, f| if channel == 1 { f.max(1.0) } else { tint(channel, pixel, f) },
+    ));
+    assert!(!error.passes());
+    let leaks = error.channels.iter().map(|channel| (channel.leak, channel.passes()));
+    assert_eq!(leaks.collect::<Vec<_>>(), [(0, true), (300, false), (0, true)]);
+    assert_eq!((error.leak, error.false_shadow, error.max), (300, 0, 1.0));
+
+    // A tenth too dark in red is not wrong by a half, but exact it is not either.
+    let error = judge(colored(&grey, |channel, pixel, f| {
+        tint(channel, pixel, f) - if channel == 0 && f == 0.0 { 0.1 } else { 0.0 }
+    }));
+    assert_eq!((error.wrong, error.channels[0].wrong), (0, 0));
+    assert!(!error.passes() && !error.channels[0].passes() && error.channels[1].passes());
+    assert!((error.max_outside_band - 0.1).abs() < 1e-6 && error.signed_mean < 0.0);
+
+    // Red and green exchanged.
+    let error = judge(colored(&grey, |channel, pixel, f| tint([1, 0, 2][channel], pixel, f)));
+    assert!(!error.passes());
+    let max = error.channels.iter().map(|channel| channel.max);
+    assert_eq!(max.collect::<Vec<_>>(), [0.5, 0.5, 0.0]);
+
+    // A grey picture of a coloured shadow, and the other way round.
+    assert!(!judge(grey.clone()).passes());
+    let hard = self::reference(true);
+    let mut picture = measured(&hard);
+    picture.lights[0].1 = colored(&grey, |_, _, factor| factor);
+    let error = compare(&picture, &hard).unwrap().remove(0);
+    assert!(error.passes() && error.channels.len() == 3);
+    picture.lights[0].1.truncate(2 * PIXELS);
+    assert!(matches!(compare(&picture, &hard), Err(CompareError::Length { .. })));
+}
+
+#[test]
+fn penumbrae_have_an_error_of_their_own() {
+    // A ramp of 20 columns from dark to lit instead of the square's right edge.
+    let mut reference = reference(false);
+    let ramp = |pixel: usize| (pixel % 64) as f32 / 20.0 - 1.0;
+    let soft = |pixel: usize, factor: f32| if factor == 0.0 { ramp(pixel).clamp(0.0, 1.0) } else { factor };
+    let factors = reference.lights[0].factor.iter().enumerate();
+    reference.lights[0].factor = factors.map(|(pixel, factor)| soft(pixel, *factor)).collect();
+    let exact = measured(&reference);
+    let error = compare(&exact, &reference).unwrap().remove(0);
+    // The first column of the square is umbra, the other 19 are penumbra.
+    assert_eq!((error.penumbra_pixels, error.penumbra_rmse, error.shadow_pixels), (285, 0.0, 300));
+
+    let mut darker = exact.clone();
+    let in_penumbra = |factor: &f32| *factor > 0.0 && *factor < 1.0;
+    darker.lights[0].1.iter_mut().filter(|f| in_penumbra(f)).for_each(|f| *f -= 0.04);
+    let error = compare(&darker, &reference).unwrap().remove(0);
+    assert!((error.penumbra_rmse - 0.04).abs() < 1e-6, "{}", error.penumbra_rmse);
+    let share = 285.0 / (64.0 * 44.0_f64);
+    assert!(
+        (error.rmse - 0.04 * share.sqrt()).abs() < 1e-6 && (error.signed_mean + 0.04 * share).abs() < 1e-6
+    );
+    assert!((error.p99 - 0.04).abs() < 1e-6 && error.wrong == 0 && !error.passes());
+
+    // A hard edge in the middle of the ramp.
+    let mut hard = exact.clone();
+    hard.lights[0].1.iter_mut().filter(|f| in_penumbra(f)).for_each(|f| *f = f.round());
+    let error = compare(&hard, &reference).unwrap().remove(0);
+    assert!(error.penumbra_rmse > 0.25 && error.penumbra_rmse < 0.32, "{}", error.penumbra_rmse);
 }
 
 #[test]

@@ -30,7 +30,7 @@ pub struct Evaluation {
     /// What was measured.
     pub measured: Measured,
     /// What is right.
-    pub reference: ReferenceImage,
+    pub reference: Arc<ReferenceImage>,
     /// One entry for each light that a shadow node serves.
     pub errors: Vec<LightError>,
 }
@@ -41,7 +41,8 @@ pub fn queries(registry: &Registry) -> Vec<LightQuery> {
     served.map(|(light, _)| LightQuery { light, casters: registry.casters_of(light) }).collect()
 }
 
-/// What a frame with factors measured, in the reference's terms: NaN where nothing is hit.
+/// What a frame with factors measured, in the reference's terms: NaN where nothing is hit, red, green and blue apart
+/// where a technique left them so.
 ///
 /// # Errors
 /// When the frame's factors cannot be read as floats.
@@ -50,12 +51,42 @@ pub fn measured(frame: &Frame, size_px: [u32; 2]) -> Result<Measured, RenderErro
     let mut lights = Vec::new();
     for factor in &frame.factors {
         let floats = factor.pixels.floats()?;
-        let channels = floats.len() / ids.len().max(1);
-        let values = ids.iter().zip(floats.chunks_exact(channels.max(1)));
-        let values = values.map(|(id, texel)| if id[0] == u32::MAX { f32::NAN } else { texel[0] });
+        let stored = (floats.len() / ids.len().max(1)).max(1);
+        // A fourth channel only fills the texel.
+        let channels = if stored == 1 { 1 } else { 3 };
+        let texels = ids.iter().zip(floats.chunks_exact(stored));
+        let values = texels.flat_map(|(id, texel)| {
+            texel.iter().take(channels).map(|value| if id[0] == u32::MAX { f32::NAN } else { *value })
+        });
         lights.push((factor.light.clone(), values.collect()));
     }
     Ok(Measured { size_px, ids, lights })
+}
+
+/// References of one scene seen by one camera, so that several techniques and settings are judged by the same picture,
+/// traced once for each choice of lights and casters.
+#[derive(Clone, Debug, Default)]
+pub struct KnownReferences {
+    known: Vec<(Vec<LightQuery>, Arc<ReferenceImage>)>,
+}
+
+impl KnownReferences {
+    /// The picture that answers `queries`, traced if it is not known yet.
+    fn answer(
+        &mut self,
+        posed: &Posed,
+        request: &FrameRequest,
+        queries: Vec<LightQuery>,
+        progress: &Progress<'_>,
+    ) -> Arc<ReferenceImage> {
+        if let Some((_, image)) = self.known.iter().find(|(known, _)| *known == queries) {
+            return Arc::clone(image);
+        }
+        let image = Reference::new(posed).render(&request.camera, request.size_px, &queries, progress);
+        let image = Arc::new(image);
+        self.known.push((queries, Arc::clone(&image)));
+        image
+    }
 }
 
 /// Renders `scene` with its own shadow nodes and compares.
@@ -68,6 +99,21 @@ pub fn evaluate(
     request: &FrameRequest,
     progress: &Progress<'_>,
 ) -> Result<Evaluation, EvaluateError> {
+    evaluate_again(renderer, scene, request, &mut KnownReferences::default(), progress)
+}
+
+/// Renders `scene` with its own shadow nodes and compares with a reference that may be known already. `references` are
+/// those of this scene but for the techniques and options of its shadow nodes, and of this camera and size.
+///
+/// # Errors
+/// [`EvaluateError`].
+pub fn evaluate_again(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    request: &FrameRequest,
+    references: &mut KnownReferences,
+    progress: &Progress<'_>,
+) -> Result<Evaluation, EvaluateError> {
     let request = FrameRequest { factors: true, ..request.clone() };
     let options = RenderOptions { read_picture: true, timing: Timing::Off, ..RenderOptions::default() };
     let frame = renderer.render(scene, &request, &options)?;
@@ -76,7 +122,7 @@ pub fn evaluate(
     if queries.is_empty() {
         return Err(EvaluateError::NothingToCompare);
     }
-    let reference = Reference::new(&posed).render(&request.camera, request.size_px, &queries, progress);
+    let reference = references.answer(&posed, &request, queries, progress);
     let measured = measured(&frame, request.size_px)?;
     let errors = compare(&measured, &reference)?;
     Ok(Evaluation { frame, measured, reference, errors })

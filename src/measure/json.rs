@@ -16,9 +16,9 @@ pub fn spread_json(times_ms: &Spread) -> Value {
     })
 }
 
-/// Everything that was measured of one light.
+/// Everything that was measured of one light: what belongs to penumbrae and to colours where there are any.
 pub fn error_json(error: &LightError) -> Value {
-    json!({
+    let mut entry = json!({
         "compared": error.compared,
         "different_triangle": error.different_triangle,
         "boundary_pixels": error.boundary_pixels,
@@ -36,7 +36,17 @@ pub fn error_json(error: &LightError) -> Value {
         "boundary_distance_mean_px": finite(error.boundary_distance_mean_px),
         "boundary_distance_max_px": finite(error.boundary_distance_max_px),
         "exact": error.passes(),
-    })
+    });
+    if error.penumbra_pixels > 0 {
+        entry["penumbra_pixels"] = json!(error.penumbra_pixels);
+        entry["penumbra_rmse"] = json!(error.penumbra_rmse);
+        entry["max_outside_band"] = json!(error.max_outside_band);
+    }
+    if let [red, green, blue] = &error.channels[..] {
+        entry["channels"] =
+            json!({ "red": error_json(red), "green": error_json(green), "blue": error_json(blue) });
+    }
+    entry
 }
 
 /// JSON has no infinity: `null`.

@@ -3,13 +3,17 @@
 //! A pixel is compared for a light when the reference hits something there that the light reaches, and the technique
 //! saw the same triangle; pixels where they see different triangles are counted apart. It is *wrong* when the factors
 //! differ by more than ½: a **leak** where the technique is lit and the reference dark, a **false** shadow the other
-//! way round. The distribution (RMSE, mean, P99, maximum) is that of the linear difference over all compared pixels.
+//! way round. The distribution (RMSE, mean, P99, maximum) is that of the linear difference over all compared pixels;
+//! for fractional factors the RMSE over the **penumbra**, where the reference is neither 0 nor 1, is told apart.
+//!
+//! A factor has one channel or three. A coloured one is judged channel by channel, and as a whole by the channel that
+//! differs most at each pixel.
 
+use std::cell::OnceCell;
 use std::fmt;
 
 use thiserror::Error;
 
-use super::distance::distances;
 use super::reference::Hit;
 use super::render::{LightReference, ReferenceImage};
 
@@ -24,6 +28,16 @@ pub const BAND_FLOOR_PIXELS: usize = 16;
 /// says nothing: edges cross a pixel centre's 1/256 neighbourhood in about 1 % of pixels even when every pixel has one.
 pub const MAX_DIFFERENT_SHARE: f64 = 0.1;
 
+/// Factors that differ by more are wrong.
+const WRONG_FROM: f64 = 0.5;
+
+/// Below this factor a pixel is in shadow: what is lighter no eight-bit picture can show.
+const LIT_FROM: f32 = 1.0 - 1.0 / 256.0;
+
+/// What an exact factor may lose to the half floats it is kept in, with some products on the way. Between hard
+/// shadows there is nothing so small: it matters for fractional and coloured factors only.
+pub const HALF_FLOAT_LOSS: f64 = 1e-3;
+
 /// A technique's output to be judged.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
@@ -31,8 +45,8 @@ pub struct Measured {
     pub size_px: [u32; 2],
     /// Instance and triangle of the visible surface; `u32::MAX` where nothing is.
     pub ids: Vec<[u32; 2]>,
-    /// Each light's name and linear factors. Only finite values are compared; what they are where nothing is hit does
-    /// not matter.
+    /// Each light's name and linear factors, one value for each pixel, or red, green and blue. Only finite values are
+    /// compared; what they are where nothing is hit does not matter.
     pub lights: Vec<(String, Vec<f32>)>,
 }
 
@@ -42,7 +56,7 @@ pub struct Measured {
 pub enum CompareError {
     #[error("the measured picture is {measured:?} pixels, the reference {reference:?}")]
     Size { measured: [u32; 2], reference: [u32; 2] },
-    #[error("{what} has {count} pixels where the picture has {expected}")]
+    #[error("{what} has {count} values where the picture has {expected} pixels")]
     Length { what: String, count: usize, expected: usize },
     #[error("light '{light}' was not measured (measured: {measured:?})")]
     MissingLight { light: String, measured: Vec<String> },
@@ -71,9 +85,9 @@ pub struct LightError {
     pub hit_pixels: usize,
     /// Pixels at which one sees another triangle than the other, or nothing; none of them is compared.
     pub different_triangle: usize,
-    /// Compared pixels that are dark in the reference.
+    /// Compared pixels that are in shadow in the reference, fully or partly.
     pub shadow_pixels: usize,
-    /// Compared pixels that are dark in the measured picture.
+    /// Compared pixels that are in shadow in the measured picture.
     pub measured_shadow_pixels: usize,
     /// Pixels whose reference factor differs from that of the pixel to the right or below.
     pub boundary_pixels: usize,
@@ -93,6 +107,12 @@ pub struct LightError {
     pub leak_outside_band: usize,
     /// False shadows outside the band.
     pub false_outside_band: usize,
+    /// The largest absolute difference outside the band.
+    pub max_outside_band: f64,
+    /// Compared pixels whose reference factor is neither 0 nor 1.
+    pub penumbra_pixels: usize,
+    /// Root of the mean squared difference over those.
+    pub penumbra_rmse: f64,
     /// Root of the mean squared difference.
     pub rmse: f64,
     /// Mean of measured − reference.
@@ -105,6 +125,8 @@ pub struct LightError {
     pub boundary_distance_mean_px: f64,
     /// Largest distance of a wrong pixel from the nearest boundary pixel.
     pub boundary_distance_max_px: f64,
+    /// The same of red, green and blue where the factor is coloured; empty otherwise.
+    pub channels: Vec<Self>,
 }
 
 impl LightError {
@@ -113,6 +135,7 @@ impl LightError {
     pub fn passes(&self) -> bool {
         self.compared > 0
             && self.wrong_outside_band == 0
+            && self.max_outside_band <= HALF_FLOAT_LOSS
             && !self.band_too_wide
             && self.different_triangle as f64 <= MAX_DIFFERENT_SHARE * self.hit_pixels as f64
     }
@@ -130,10 +153,13 @@ pub fn compare(measured: &Measured, reference: &ReferenceImage) -> Result<Vec<Li
     let length = |what: &dyn Fn() -> String, count: usize| {
         if count == expected { Ok(()) } else { Err(CompareError::Length { what: what(), count, expected }) }
     };
+    let factor_length = |what: &dyn Fn() -> String, count: usize| {
+        if count == 3 * expected { Ok(()) } else { length(what, count) }
+    };
     length(&|| "the measured id picture".into(), measured.ids.len())?;
     length(&|| "the reference".into(), reference.hits.len())?;
     for (name, factor) in &measured.lights {
-        length(&|| format!("the measured factor of light '{name}'"), factor.len())?;
+        factor_length(&|| format!("the measured factor of light '{name}'"), factor.len())?;
         if !reference.lights.iter().any(|light| light.name == *name) {
             let reference = reference.lights.iter().map(|light| light.name.clone()).collect();
             return Err(CompareError::UnknownLight { light: name.clone(), reference });
@@ -143,11 +169,11 @@ pub fn compare(measured: &Measured, reference: &ReferenceImage) -> Result<Vec<Li
         .lights
         .iter()
         .map(|light| {
-            for (what, count) in [
-                ("factor", light.factor.len()),
-                ("compared", light.compared.len()),
-                ("ambiguous", light.ambiguous.len()),
-            ] {
+            factor_length(
+                &|| format!("the reference's factor of light '{}'", light.name),
+                light.factor.len(),
+            )?;
+            for (what, count) in [("compared", light.compared.len()), ("ambiguous", light.ambiguous.len())] {
                 length(&|| format!("the reference's '{what}' of light '{}'", light.name), count)?;
             }
             let (_, factor) =
@@ -188,6 +214,38 @@ pub(super) fn sees_same(ids: [u32; 2], hit: Option<Hit>) -> bool {
     hit.map_or([u32::MAX; 2], |hit| [hit.instance, hit.triangle]) == ids
 }
 
+/// What is judged at one pixel.
+#[derive(Clone, Copy)]
+struct Sample {
+    /// Of a coloured factor judged as a whole: the channel that differs most.
+    difference: f64,
+    is_dark: bool,
+    measured_dark: bool,
+    in_penumbra: bool,
+}
+
+impl Sample {
+    fn of(value: f32, exact: f32) -> Self {
+        Self {
+            difference: f64::from(value) - f64::from(exact),
+            is_dark: exact < LIT_FROM,
+            measured_dark: value < LIT_FROM,
+            in_penumbra: exact > 0.0 && exact < 1.0,
+        }
+    }
+
+    /// The whole of what two channels say.
+    fn with(self, other: Self) -> Self {
+        let differs_more = other.difference.abs() > self.difference.abs();
+        Self {
+            difference: if differs_more { other.difference } else { self.difference },
+            is_dark: self.is_dark || other.is_dark,
+            measured_dark: self.measured_dark || other.measured_dark,
+            in_penumbra: self.in_penumbra || other.in_penumbra,
+        }
+    }
+}
+
 fn compare_light(
     measured: &Measured,
     factor: &[f32],
@@ -195,6 +253,8 @@ fn compare_light(
     light: &LightReference,
 ) -> Result<LightError, CompareError> {
     let width = reference.size_px[0] as usize;
+    let pixels = reference.hits.len();
+    let channels = channels(factor, pixels).max(channels(&light.factor, pixels));
     let boundary = boundary(light, width);
     let count = |flags: &[bool]| flags.iter().filter(|flag| **flag).count();
     let mut error = LightError {
@@ -203,52 +263,92 @@ fn compare_light(
         boundary_pixels: count(&boundary),
         ..LightError::default()
     };
-    let mut differences = Vec::new();
-    let mut wrong_pixels = Vec::new();
+    let mut compared = Vec::new();
     for (pixel, (ids, hit)) in measured.ids.iter().zip(&reference.hits).enumerate() {
-        let in_band = light.compared[pixel] && light.ambiguous[pixel];
-        error.band_pixels += usize::from(in_band);
+        error.band_pixels += usize::from(light.compared[pixel] && light.ambiguous[pixel]);
         if !sees_same(*ids, *hit) {
             error.different_triangle += 1;
-            continue;
-        }
-        if !light.compared[pixel] {
-            continue;
-        }
-        let (value, exact) = (factor[pixel], light.factor[pixel]);
-        if !value.is_finite() {
-            let (x, y) = (pixel % width, pixel / width);
-            return Err(CompareError::NotFinite { light: light.name.clone(), x, y, value });
-        }
-        error.compared += 1;
-        error.shadow_pixels += usize::from(exact < 0.5);
-        error.measured_shadow_pixels += usize::from(value < 0.5);
-        let difference = f64::from(value) - f64::from(exact);
-        differences.push(difference);
-        if difference.abs() > 0.5 {
-            let (is_leak, outside) = (difference > 0.0, !in_band);
-            error.wrong += 1;
-            error.leak += usize::from(is_leak);
-            error.false_shadow += usize::from(!is_leak);
-            error.wrong_outside_band += usize::from(outside);
-            error.leak_outside_band += usize::from(is_leak && outside);
-            error.false_outside_band += usize::from(!is_leak && outside);
-            wrong_pixels.push(pixel);
+        } else if light.compared[pixel] {
+            let value = at(factor, pixels, pixel).find(|value| !value.is_finite());
+            if let Some(value) = value {
+                let (x, y) = (pixel % width, pixel / width);
+                return Err(CompareError::NotFinite { light: light.name.clone(), x, y, value });
+            }
+            compared.push(pixel);
         }
     }
     let band_limit = BAND_PIXELS_PER_BOUNDARY_PIXEL * error.boundary_pixels + BAND_FLOOR_PIXELS;
     error.band_too_wide = error.band_pixels > band_limit;
-    error.describe(differences);
-    if !wrong_pixels.is_empty() {
-        let distances = distances(&boundary, width);
-        let of_wrong = || wrong_pixels.iter().map(|pixel| distances[*pixel]);
-        error.boundary_distance_mean_px = of_wrong().sum::<f64>() / wrong_pixels.len() as f64;
-        error.boundary_distance_max_px = of_wrong().fold(0.0, f64::max);
+    let distances = OnceCell::new();
+    let judge = |name: &str, sample: &dyn Fn(usize) -> Sample| {
+        let mut error = LightError { name: name.into(), compared: compared.len(), ..error.clone() };
+        error.judge(&compared, &light.ambiguous, sample, &|pixel| {
+            distances.get_or_init(|| super::distance::distances(&boundary, width))[pixel]
+        });
+        error
+    };
+    let channel = |pixel: usize, channel: usize| {
+        let of = |values: &[f32]| at(values, pixels, pixel).nth(channel).unwrap_or(f32::NAN);
+        Sample::of(of(factor), of(&light.factor))
+    };
+    if channels == 1 {
+        return Ok(judge(&light.name, &|pixel| channel(pixel, 0)));
     }
-    Ok(error)
+    let whole = |pixel: usize| channel(pixel, 0).with(channel(pixel, 1)).with(channel(pixel, 2));
+    let parts = ["red", "green", "blue"]
+        .iter()
+        .enumerate()
+        .map(|(index, name)| judge(&format!("{} {name}", light.name), &|pixel| channel(pixel, index)));
+    Ok(LightError { channels: parts.collect(), ..judge(&light.name, &whole) })
 }
 
 impl LightError {
+    /// Fills in everything that depends on the factors, over the `compared` pixels.
+    fn judge(
+        &mut self,
+        compared: &[usize],
+        in_band: &[bool],
+        sample: &dyn Fn(usize) -> Sample,
+        boundary_distance_px: &dyn Fn(usize) -> f64,
+    ) {
+        let mut differences = Vec::with_capacity(compared.len());
+        let mut penumbra_sum = 0.0;
+        let mut distance_sum_px = 0.0;
+        for &pixel in compared {
+            let Sample { difference, is_dark, measured_dark, in_penumbra } = sample(pixel);
+            let outside = !in_band[pixel];
+            self.shadow_pixels += usize::from(is_dark);
+            self.measured_shadow_pixels += usize::from(measured_dark);
+            differences.push(difference);
+            if in_penumbra {
+                self.penumbra_pixels += 1;
+                penumbra_sum += difference * difference;
+            }
+            if outside {
+                self.max_outside_band = self.max_outside_band.max(difference.abs());
+            }
+            if difference.abs() > WRONG_FROM {
+                let is_leak = difference > 0.0;
+                self.wrong += 1;
+                self.leak += usize::from(is_leak);
+                self.false_shadow += usize::from(!is_leak);
+                self.wrong_outside_band += usize::from(outside);
+                self.leak_outside_band += usize::from(is_leak && outside);
+                self.false_outside_band += usize::from(!is_leak && outside);
+                let distance_px = boundary_distance_px(pixel);
+                distance_sum_px += distance_px;
+                self.boundary_distance_max_px = self.boundary_distance_max_px.max(distance_px);
+            }
+        }
+        if self.wrong > 0 {
+            self.boundary_distance_mean_px = distance_sum_px / self.wrong as f64;
+        }
+        if self.penumbra_pixels > 0 {
+            self.penumbra_rmse = (penumbra_sum / self.penumbra_pixels as f64).sqrt();
+        }
+        self.describe(differences);
+    }
+
     /// Fills in the distribution of the `differences`.
     fn describe(&mut self, mut differences: Vec<f64>) {
         let count = differences.len();
@@ -268,14 +368,29 @@ impl LightError {
     }
 }
 
+/// The channels of a picture of so many pixels: one or three.
+pub(super) fn channels(factor: &[f32], pixels: usize) -> usize {
+    if factor.len() == pixels { 1 } else { 3 }
+}
+
+/// Red, green and blue of a pixel; of a one-channel picture three times the same.
+pub(super) fn at(factor: &[f32], pixels: usize, pixel: usize) -> impl Iterator<Item = f32> {
+    let of = |channel: usize| {
+        if channels(factor, pixels) == 1 { factor[pixel] } else { factor[pixel * 3 + channel] }
+    };
+    [of(0), of(1), of(2)].into_iter()
+}
+
 /// Which compared pixels differ from their right or lower compared neighbour.
 fn boundary(light: &LightReference, width: usize) -> Vec<bool> {
-    let pixels = light.factor.len();
+    let pixels = light.compared.len();
     let differs = |a: usize, b: usize| {
         b < pixels
             && light.compared[a]
             && light.compared[b]
-            && light.factor[a].to_bits() != light.factor[b].to_bits()
+            && at(&light.factor, pixels, a)
+                .zip(at(&light.factor, pixels, b))
+                .any(|(a, b)| a.to_bits() != b.to_bits())
     };
     (0..pixels).map(|i| ((i + 1) % width != 0 && differs(i, i + 1)) || differs(i, i + width)).collect()
 }
@@ -305,7 +420,8 @@ impl fmt::Display for ErrorTable<'_> {
             "verdict",
         ];
         let mut rows = vec![head.map(String::from)];
-        rows.extend(self.0.iter().map(|e| {
+        let lights = self.0.iter().flat_map(|light| std::iter::once(light).chain(&light.channels));
+        rows.extend(lights.map(|e| {
             let verdict = match (e.passes(), e.band_too_wide) {
                 (true, _) => "ok",
                 (false, true) => "band too wide",

@@ -18,9 +18,9 @@ mod surface;
 mod technique;
 pub mod timing;
 
-pub use evaluate::{EvaluateError, Evaluation, evaluate, measured, queries};
+pub use evaluate::{EvaluateError, Evaluation, KnownReferences, evaluate, evaluate_again, measured, queries};
 pub use metrics::{
-    BAND_FLOOR_PIXELS, BAND_PIXELS_PER_BOUNDARY_PIXEL, CompareError, ErrorTable, LightError,
+    BAND_FLOOR_PIXELS, BAND_PIXELS_PER_BOUNDARY_PIXEL, CompareError, ErrorTable, HALF_FLOAT_LOSS, LightError,
     MAX_DIFFERENT_SHARE, Measured, compare, expect_shadow,
 };
 pub use reference::{CasterSet, Hit, Reference, Tracer};

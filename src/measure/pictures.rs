@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Rgb};
 use thiserror::Error;
 
-use super::metrics::{Measured, sees_same};
+use super::metrics::{Measured, at, sees_same};
 use super::render::ReferenceImage;
 
 /// Why a picture was not written.
@@ -24,11 +24,16 @@ pub enum PictureError {
     Write { path: PathBuf, source: std::io::Error },
 }
 
-/// Writes a grey `factor` picture as OpenEXR, linear RGB in f32; NaN stays NaN.
+/// Writes a `factor` picture, one value for each pixel or red, green and blue, as OpenEXR, linear RGB in f32; NaN stays
+/// NaN.
 ///
 /// # Errors
 /// [`PictureError`] names the path.
 pub fn write_factor(path: &Path, size_px: [u32; 2], factor: &[f32]) -> Result<(), PictureError> {
+    let (texels, rest) = factor.as_chunks::<3>();
+    if rest.is_empty() && holds(size_px, texels.len()) {
+        return write_rgb(path, size_px, texels);
+    }
     let rgb: Vec<[f32; 3]> = factor.iter().map(|f| [*f; 3]).collect();
     write_rgb(path, size_px, &rgb)
 }
@@ -67,23 +72,29 @@ pub fn write_error_map(
     let exact = reference.lights.iter().find(|l| l.name == light).ok_or_else(|| missing("reference"))?;
     let size_px = reference.size_px;
     for count in [factor.len(), measured.ids.len(), exact.factor.len(), reference.hits.len()] {
-        if !holds(size_px, count) {
+        let may_be_rgb = [factor.len(), exact.factor.len()].contains(&count);
+        if !holds(size_px, count) && !(may_be_rgb && count % 3 == 0 && holds(size_px, count / 3)) {
             return Err(PictureError::Size { path: path.into(), count, size_px });
         }
     }
+    let pixels = reference.hits.len();
     let color = |pixel: usize| {
-        let difference = factor[pixel] - exact.factor[pixel];
+        // Of a coloured factor the channel that differs most.
+        let channels = at(factor, pixels, pixel).zip(at(&exact.factor, pixels, pixel));
+        let differences = channels.map(|(value, exact)| (value - exact, exact));
+        let (difference, exact_factor) =
+            differences.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).unwrap_or_default();
         match (exact.compared[pixel], difference) {
             _ if !sees_same(measured.ids[pixel], reference.hits[pixel]) => DIFFERENT,
             (true, d) if d > 0.5 => LEAK,
             (true, d) if d < -0.5 => FALSE_SHADOW,
             (true, _) if exact.ambiguous[pixel] => BAND,
             // NaN, where nothing is, becomes black.
-            _ => [(exact.factor[pixel] * 70.0 + 20.0).max(0.0) as u8; 3],
+            _ => [(exact_factor * 70.0 + 20.0).max(0.0) as u8; 3],
         }
     };
-    let pixels: Vec<u8> = (0..factor.len()).flat_map(color).collect();
-    let image = ImageBuffer::<Rgb<u8>, _>::from_raw(size_px[0], size_px[1], pixels)
+    let colors: Vec<u8> = (0..pixels).flat_map(color).collect();
+    let image = ImageBuffer::<Rgb<u8>, _>::from_raw(size_px[0], size_px[1], colors)
         .ok_or_else(|| PictureError::Size { path: path.into(), count: factor.len(), size_px })?;
     write(path, &DynamicImage::ImageRgb8(image), ImageFormat::Png)
 }

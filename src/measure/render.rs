@@ -54,7 +54,7 @@ pub struct ReferenceImage {
 pub struct LightReference {
     /// The light's name, as in `Posed::lights`.
     pub name: String,
-    /// 1 lit, 0 dark, NaN where nothing is hit.
+    /// 1 lit, 0 dark, NaN where nothing is hit; one value for each pixel, or red, green and blue.
     pub factor: Vec<f32>,
     /// Whether the factor counts: something is hit, and the light's range and cone reach it.
     pub compared: Vec<bool>,
