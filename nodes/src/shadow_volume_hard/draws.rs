@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use shadowgraph_engine::geometry::GroupMember;
 use shadowgraph_engine::plan::{
     Binding, BufferUsage, CompareFunction, DepthTarget, Draw, DrawState, Geometry, Pass, Shader, SlotId,
     Stencil, StencilFaceState, StencilOperation,
@@ -10,7 +11,7 @@ use shadowgraph_engine::shadow::{LightPlan, hash_of};
 
 use super::Volume;
 use crate::common::extrusion::End;
-use crate::common::layer_groups::{Caster, Member};
+use crate::common::layer_groups::Caster;
 use crate::common::volume::{VolumeIndices, VolumeUniform};
 
 /// The buffers of one light's volumes.
@@ -22,7 +23,11 @@ pub(super) struct Buffers {
     shader: Shader,
 }
 
-pub(super) fn upload(light: &mut LightPlan<'_>, volumes: &[Volume<'_>], groups: &[Vec<Member>]) -> Buffers {
+pub(super) fn upload(
+    light: &mut LightPlan<'_>,
+    volumes: &[Volume<'_>],
+    groups: &[Vec<GroupMember>],
+) -> Buffers {
     let mut keys = Vec::new();
     let mut indices = Vec::new();
     let mut records: Vec<VolumeUniform> = Vec::new();
