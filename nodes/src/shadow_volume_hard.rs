@@ -32,7 +32,7 @@ use shadowgraph_engine::plan::Pass;
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{Features, LightPlan, Requirements, ShadowError, ShadowTechnique, hash_of};
 
-use crate::common::culling::{may_shadow, near_plane_may_be_shadowed};
+use crate::common::culling::near_plane_may_be_shadowed;
 use crate::common::extrusion::{End, end_plane, scaled_end};
 use crate::common::layer_groups::{Caster, MAX_COUNT, group_by_layers};
 use crate::common::volume::CasterFacing;
@@ -135,12 +135,11 @@ impl Volume<'_> {
 impl ShadowVolumeHard {
     /// The volumes of all casters that can matter, with mode, depth test and end chosen.
     fn volumes<'a>(&self, light: &mut LightPlan<'a>) -> Result<Vec<Volume<'a>>, ShadowError> {
-        let (posed_light, view) = (light.light(), light.view);
-        let position = posed_light.position;
+        let (position, view) = (light.light().position, light.view);
         let mut volumes = Vec::new();
         let mut left_out = Vec::new();
         for (index, instance) in light.casters() {
-            if let Err(reason) = may_shadow(view, posed_light, &instance.world_bounds) {
+            if let Err(reason) = light.may_shadow(&instance.world_bounds) {
                 left_out.push((instance, reason));
                 continue;
             }
