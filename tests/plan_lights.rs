@@ -173,6 +173,38 @@ fn a_caster_claimed_by_two_techniques_is_an_error() {
 }
 
 #[test]
+fn a_caster_claimed_with_two_sets_of_options_is_an_error() {
+    let mut scene = shadowed_yard(&[]);
+    scene.add_shadow("again", hard(&[("depthTest", "zfail"), ("extrusion", "infinite")]));
+    let error = try_plan(&scene, &request()).unwrap_err();
+    let expected = ShadowError::OptionsDiffer {
+        light: "lamp".into(),
+        caster: "crate".into(),
+        first: "shadows".into(),
+        first_options: "ShadowVolumeHard".into(),
+        second: "again".into(),
+        second_options: "ShadowVolumeHard depthTest=zfail extrusion=infinite".into(),
+    };
+    assert_eq!(error, FrameError::Shadow(expected));
+    let text = error.to_string();
+    for named in ["'lamp'", "'crate'", "'shadows' (ShadowVolumeHard)", "'again' (ShadowVolumeHard depthTest"]
+    {
+        assert!(text.contains(named), "{text}");
+    }
+    // Defaults that are spelled out are the defaults.
+    let mut scene = shadowed_yard(&[]);
+    scene.add_shadow("again", hard(&[("depthTest", "auto"), ("closure", "none")]));
+    assert!(try_plan(&scene, &request()).is_ok());
+}
+
+#[test]
+fn the_plan_names_the_options_that_are_not_at_their_default() {
+    let planned = plan(&shadowed_yard(&[("geometry", "open"), ("depthTest", "auto")]), &request());
+    assert_eq!(planned.lights[0].techniques, ["ShadowVolumeHard geometry=open"]);
+    assert_eq!(plan(&shadowed_yard(&[]), &request()).lights[0].techniques, ["ShadowVolumeHard"]);
+}
+
+#[test]
 fn two_techniques_may_share_a_light_or_a_caster_but_not_both() {
     // One caster, two lights.
     let mut scene = yard();

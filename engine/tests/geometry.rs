@@ -10,7 +10,7 @@ use std::time::Instant;
 use glam::{DAffine3, DVec3, DVec4, Vec3};
 use proptest::prelude::*;
 use shadowgraph_engine::geometry::{
-    Chain, LayerGrid, Topology, facing_signs, layer_groups, restricted_signs,
+    CastTriangles, Chain, GroupMember, LayerGrid, Topology, facing_signs, layer_groups, restricted_signs,
 };
 use shadowgraph_engine::math::{Aabb, facing_sign, orient_sign};
 
@@ -285,8 +285,13 @@ proptest! {
         let all: Vec<u32> = (0..triangles.len() as u32).collect();
         all.iter().for_each(|triangle| grid.add_triangle(corners_of(*triangle)));
         prop_assert!(layers(&all) <= grid.max_layers());
-        let groups = layer_groups(light, &positions, &triangles, &vec![1; triangles.len()], 3);
-        prop_assert_eq!(groups.concat(), all);
+        let caster = CastTriangles { p_in_world: &positions, triangles: &triangles, cast: &all };
+        let triangles_of = |member: GroupMember| member.triangles.unwrap_or_else(|| all.clone());
+        let groups: Vec<Vec<u32>> = layer_groups(light, &[caster], 3)
+            .into_iter()
+            .map(|group| group.into_iter().flat_map(triangles_of).collect())
+            .collect();
+        prop_assert_eq!(groups.concat(), all.clone());
         for group in groups {
             prop_assert!(layers(&group) <= 3);
         }

@@ -24,7 +24,6 @@ use shadowgraph::engine::shadow::{
     Channels, LightPlan, OptionError, OptionReader, Setting, ShadowError, ShadowTechnique, TechniqueEntry,
     hash_of,
 };
-use shadowgraph::nodes::common::culling::may_shadow;
 
 use super::disc::{Disc, NoDisc};
 
@@ -175,7 +174,7 @@ impl DiscShadow {
         let mut records = Vec::new();
         for (_, instance) in light.casters() {
             let reach = instance.world_bounds.expanded(0.5 * self.edge_m);
-            if let Err(reason) = may_shadow(light.view, light.light(), &reach) {
+            if let Err(reason) = light.may_shadow(&reach) {
                 light.note(format!("disc '{}' for '{}': {reason}", instance.name, light.light().name));
                 continue;
             }

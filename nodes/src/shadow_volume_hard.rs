@@ -18,147 +18,27 @@
 //! - Sides end on one plane behind everything that can receive, where that is exact.
 //! - Counts of any size stay exact in the 8-bit stencil: see [`crate::common::layer_groups`].
 //!
-//! This file is longer than most so that the technique reads top to bottom.
+//! This file says what is chosen and why; `options` how it is asked for, `draws` how it is drawn.
 //!
 //! *Limits.* Alpha-masked casters are refused; blended ones cast through coloured techniques. Rasterisation snaps
 //! vertices to 1/256 pixel, so pixels whose centre is that near a shadow edge may fall to either side. A light nearer to
 //! a caster than about 10⁻⁵ of its size, but not touching it, sees edges span half circles: single pixels go wrong.
 
-use std::sync::Arc;
+mod draws;
+mod options;
 
 use shadowgraph_engine::math::Aabb;
-use shadowgraph_engine::plan::{
-    Binding, BufferUsage, CompareFunction, DepthTarget, Draw, DrawState, Geometry, Pass, Shader, SlotId,
-    Stencil, StencilFaceState, StencilOperation,
-};
-use shadowgraph_engine::scene::{Instance, ParamValue, Params, ShadowNode};
-use shadowgraph_engine::shadow::{
-    Features, LightPlan, OptionError, OptionReader, Requirements, Setting, ShadowError, ShadowTechnique,
-    TechniqueEntry, hash_of,
-};
+use shadowgraph_engine::plan::Pass;
+use shadowgraph_engine::scene::{Instance, Params};
+use shadowgraph_engine::shadow::{Features, LightPlan, Requirements, ShadowError, ShadowTechnique, hash_of};
 
-use crate::common::culling::{may_shadow, near_plane_may_be_shadowed};
+use crate::common::culling::near_plane_may_be_shadowed;
 use crate::common::extrusion::{End, end_plane, scaled_end};
-use crate::common::layer_groups::{Caster, MAX_COUNT, Member, group_by_layers};
-use crate::common::volume::{CasterFacing, VolumeIndices, VolumeUniform};
-
-/// From where crossings are counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum DepthTest {
-    /// z-pass where the near plane is certainly unshadowed by the caster, z-fail elsewhere.
-    #[default]
-    Auto,
-    /// From the near plane to the surface; refused where the near plane may be in shadow.
-    ZPass,
-    /// From the surface to infinity; always right, and needs caps.
-    ZFail,
-}
-
-/// Which triangles cast.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum GeometryMode {
-    /// Closed where the caster is a solid with light and eye outside, open elsewhere.
-    #[default]
-    Auto,
-    /// Only triangles that face the light outwards; refused for casters that are no solids.
-    Closed,
-    /// All triangles.
-    Open,
-}
-
-/// Where volumes end.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Extrusion {
-    /// On a plane behind all receivers where that is exact, else at infinity.
-    #[default]
-    Auto,
-    /// At infinity.
-    Infinite,
-    /// On a plane behind all receivers; refused where that is not exact.
-    ToBounds,
-}
-
-/// The node and its options.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ShadowVolumeHard {
-    /// From where crossings are counted.
-    pub depth_test: DepthTest,
-    /// Which triangles cast.
-    pub geometry: GeometryMode,
-    /// Where volumes end.
-    pub extrusion: Extrusion,
-}
-
-const TYPE_NAME: &str = "ShadowVolumeHard";
-const DEPTH_TESTS: &[(&str, DepthTest)] =
-    &[("auto", DepthTest::Auto), ("zpass", DepthTest::ZPass), ("zfail", DepthTest::ZFail)];
-const GEOMETRIES: &[(&str, GeometryMode)] =
-    &[("auto", GeometryMode::Auto), ("closed", GeometryMode::Closed), ("open", GeometryMode::Open)];
-const EXTRUSIONS: &[(&str, Extrusion)] =
-    &[("auto", Extrusion::Auto), ("infinite", Extrusion::Infinite), ("toBounds", Extrusion::ToBounds)];
-
-impl ShadowVolumeHard {
-    /// How the catalog knows it.
-    pub const ENTRY: TechniqueEntry = TechniqueEntry {
-        type_name: TYPE_NAME,
-        short_name: "hard",
-        summary: "exact hard shadows of any triangles, counted in the stencil",
-        from_params: |params| Ok(Arc::new(Self::from_params(params)?)),
-        settings: &[
-            Setting {
-                name: "z-pass",
-                why: "counting from the near plane, which needs no caps",
-                params: || Self { depth_test: DepthTest::ZPass, ..Self::default() }.params(),
-            },
-            Setting {
-                name: "z-fail",
-                why: "counting from infinity, which is right wherever the eye is",
-                params: || Self { depth_test: DepthTest::ZFail, ..Self::default() }.params(),
-            },
-            Setting {
-                name: "open",
-                why: "every triangle casts, closed casters too",
-                params: || Self { geometry: GeometryMode::Open, ..Self::default() }.params(),
-            },
-            Setting {
-                name: "infinite",
-                why: "sides to infinity, where the default ends them behind what receives",
-                params: || Self { extrusion: Extrusion::Infinite, ..Self::default() }.params(),
-            },
-        ],
-    };
-
-    /// Reads the options.
-    ///
-    /// # Errors
-    /// [`OptionError`] names the option and what is accepted.
-    pub fn from_params(params: &Params) -> Result<Self, OptionError> {
-        let mut options = OptionReader::new(TYPE_NAME, params);
-        let node = Self {
-            depth_test: options.choice("depthTest", DEPTH_TESTS)?,
-            geometry: options.choice("geometry", GEOMETRIES)?,
-            extrusion: options.choice("extrusion", EXTRUSIONS)?,
-        };
-        // Options whose other values are not there yet accept their default, and say so.
-        options.choice("closure", &[("none", ())])?;
-        options.choice("passes", &[("multi", ())])?;
-        options.choice("counter", &[("auto", ()), ("stencil8", ())])?;
-        options.choice("terminator", &[("geometric", ())])?;
-        options.finish()?;
-        Ok(node)
-    }
-}
-
-fn name_of<T: PartialEq>(values: &[(&'static str, T)], value: &T) -> ParamValue {
-    let name = values.iter().find(|(_, v)| v == value).map_or("", |(name, _)| name);
-    ParamValue::Text(name.into())
-}
-
-impl From<ShadowVolumeHard> for ShadowNode {
-    fn from(node: ShadowVolumeHard) -> Self {
-        Self { technique: TYPE_NAME.into(), params: node.params(), ..Self::default() }
-    }
-}
+use crate::common::layer_groups::{Caster, MAX_COUNT, group_by_layers};
+use crate::common::volume::CasterFacing;
+use draws::{Counter, fold_pass, upload, volume_draws};
+use options::TYPE_NAME;
+pub use options::{DepthTest, Extrusion, GeometryMode, ShadowVolumeHard};
 
 impl ShadowTechnique for ShadowVolumeHard {
     fn type_name(&self) -> &'static str {
@@ -166,11 +46,7 @@ impl ShadowTechnique for ShadowVolumeHard {
     }
 
     fn params(&self) -> Params {
-        Params::from([
-            ("depthTest".into(), name_of(DEPTH_TESTS, &self.depth_test)),
-            ("geometry".into(), name_of(GEOMETRIES, &self.geometry)),
-            ("extrusion".into(), name_of(EXTRUSIONS, &self.extrusion)),
-        ])
+        self.to_params()
     }
 
     fn known_error(&self) -> &'static str {
@@ -212,15 +88,7 @@ impl ShadowTechnique for ShadowVolumeHard {
                 .iter()
                 .enumerate()
                 .flat_map(|(place, member)| {
-                    let volume = &volumes[member.caster];
-                    let record = first_record + place as u32;
-                    volume_draws(
-                        volume,
-                        &buffers.indices[first_record as usize + place],
-                        record,
-                        &buffers,
-                        counter,
-                    )
+                    volume_draws(&volumes[member.caster], first_record + place as u32, &buffers, counter)
                 })
                 .collect();
             first_record += group.len() as u32;
@@ -267,12 +135,11 @@ impl Volume<'_> {
 impl ShadowVolumeHard {
     /// The volumes of all casters that can matter, with mode, depth test and end chosen.
     fn volumes<'a>(&self, light: &mut LightPlan<'a>) -> Result<Vec<Volume<'a>>, ShadowError> {
-        let (posed_light, view) = (light.light(), light.view);
-        let position = posed_light.position;
+        let (position, view) = (light.light().position, light.view);
         let mut volumes = Vec::new();
         let mut left_out = Vec::new();
         for (index, instance) in light.casters() {
-            if let Err(reason) = may_shadow(view, posed_light, &instance.world_bounds) {
+            if let Err(reason) = light.may_shadow(&instance.world_bounds) {
                 left_out.push((instance, reason));
                 continue;
             }
@@ -379,166 +246,5 @@ fn note_left_out(light: &mut LightPlan<'_>, left_out: &[(&Instance, &'static str
         let more = if names.len() > 3 { format!(" and {} more", names.len() - 3) } else { String::new() };
         let shown = names.iter().take(3).map(|name| format!("'{name}'")).collect::<Vec<_>>().join(", ");
         light.note(format!("casters of '{}' {shown}{more}: {reason}", light.light().name));
-    }
-}
-
-/// The buffers of one light's volumes.
-struct Buffers {
-    index_slot: SlotId,
-    records: SlotId,
-    /// For each record: where its indices begin, and their runs.
-    indices: Vec<(u32, Arc<VolumeIndices>)>,
-    shader: Shader,
-}
-
-fn upload(light: &mut LightPlan<'_>, volumes: &[Volume<'_>], groups: &[Vec<Member>]) -> Buffers {
-    let mut keys = Vec::new();
-    let mut indices = Vec::new();
-    let mut records: Vec<VolumeUniform> = Vec::new();
-    let mut first = 0;
-    for member in groups.iter().flatten() {
-        let Volume { caster: Caster { index, instance, key, facing }, end, .. } = &volumes[member.caster];
-        let key = hash_of((key, &member.triangles));
-        let runs = light.cache.get_or_compute("volume indices", key, || {
-            VolumeIndices::new(instance, facing, member.triangles.as_ref().unwrap_or(&facing.cast))
-        });
-        records.push(VolumeUniform::new(instance, *index, light.light().position, *end));
-        keys.push(key);
-        let count = runs.indices.len() as u32;
-        indices.push((first, runs));
-        first += count;
-    }
-    let name = light.light().name.clone();
-    let key = hash_of(("volume indices", &keys));
-    let bytes = light.cache.get_or_compute("volume index bytes", key, || {
-        indices
-            .iter()
-            .flat_map(|(_, runs)| bytemuck::cast_slice::<u32, u8>(&runs.indices))
-            .copied()
-            .collect::<Vec<u8>>()
-    });
-    let edges: usize = indices.iter().map(|(_, runs)| runs.silhouette_edges).sum();
-    let reason = format!("{edges} silhouette edges, and the caps for views that need them");
-    let index_slot =
-        light.buffer(&format!("volume indices of {name}"), BufferUsage::Index, key, bytes, &reason);
-    let bytes: &[u8] = bytemuck::cast_slice(&records);
-    let key = hash_of(("volumes", bytes));
-    let records = light.buffer(
-        &format!("volumes of {name}"),
-        BufferUsage::Storage,
-        key,
-        Arc::new(bytes.to_vec()),
-        "where the light is, as each caster sees it, and where its volume ends",
-    );
-    Buffers { index_slot, records, indices, shader: volume_shader("vertex") }
-}
-
-fn volume_shader(vertex: &'static str) -> Shader {
-    let source = shadowgraph_shaders::compose_named("shadow_volume_hard", &[]).unwrap_or_default();
-    Shader { name: "shadow_volume_hard".into(), source: source.into(), vertex: vertex.into(), fragment: None }
-}
-
-/// Which bits of the stencil count.
-#[derive(Clone, Copy, PartialEq)]
-enum Counter {
-    AllBits,
-    BesideStickyBit,
-}
-
-/// The draws of one volume: the runs its depth test and end demand, neighbours joined.
-fn volume_draws(
-    volume: &Volume<'_>,
-    (first, runs): &(u32, Arc<VolumeIndices>),
-    record: u32,
-    buffers: &Buffers,
-    counter: Counter,
-) -> Vec<Draw> {
-    let meets_at_infinity = volume.directional && volume.end == End::Infinite;
-    let mut wanted = vec![(&runs.sides_near, false)];
-    if !meets_at_infinity {
-        wanted.push((&runs.sides_far, false));
-    }
-    if volume.z_fail {
-        if !meets_at_infinity {
-            wanted.push((&runs.far_caps, false));
-        }
-        wanted.push((&runs.front_caps, false));
-        wanted.push((&runs.front_caps_turned, true));
-    }
-    let mut joined: Vec<(u32, u32, bool)> = Vec::new();
-    for (run, turned) in wanted {
-        match joined.last_mut() {
-            Some((_, end, last_turned)) if *end == run.start && *last_turned == turned => *end = run.end,
-            _ => joined.push((run.start, run.end, turned)),
-        }
-    }
-    joined.retain(|(start, end, _)| start < end);
-    joined
-        .into_iter()
-        .map(|(start, end, turned)| {
-            let mut state = DrawState::new(CompareFunction::Greater, vec![]);
-            state.depth_clamp = volume.clamp_depth;
-            state.stencil = Some(count(volume.z_fail, turned, counter));
-            Draw {
-                name: volume.name(),
-                shader: Some(buffers.shader.clone()),
-                state,
-                geometry: Geometry::Indexed {
-                    instance: volume.caster.index as u32,
-                    indices: buffers.index_slot,
-                    first: first + start,
-                    count: end - start,
-                    record,
-                },
-                bindings: vec![(1, Binding::Storage(buffers.records))],
-                scissor_px: None,
-            }
-        })
-        .collect()
-}
-
-/// z-pass: a front face before the surface enters a volume, +1; a back face leaves it, −1. z-fail, counting behind
-/// the surface: a back face still to be left, +1; a front face still to be entered, −1. `turned` triangles are wound
-/// against the chain.
-fn count(z_fail: bool, turned: bool, counter: Counter) -> Stencil {
-    use StencilOperation::{DecrementWrap, IncrementWrap, Keep};
-    let (front, back) =
-        if z_fail == turned { (IncrementWrap, DecrementWrap) } else { (DecrementWrap, IncrementWrap) };
-    let face = |op| StencilFaceState {
-        compare: CompareFunction::Always,
-        fail_op: Keep,
-        depth_fail_op: if z_fail { op } else { Keep },
-        pass_op: if z_fail { Keep } else { op },
-    };
-    let write_mask = if counter == Counter::AllBits { 0xff } else { 0x7f };
-    Stencil { front: face(front), back: face(back), read_mask: 0xff, write_mask, reference: 0 }
-}
-
-/// Wherever bits 0 to 6 are not all zero: bit 7 alone.
-fn fold_pass(light: &LightPlan<'_>, depth: &DepthTarget) -> Pass {
-    let face = StencilFaceState {
-        compare: CompareFunction::NotEqual,
-        fail_op: StencilOperation::Keep,
-        depth_fail_op: StencilOperation::Keep,
-        pass_op: StencilOperation::Replace,
-    };
-    let mut state = DrawState::new(CompareFunction::Always, vec![]);
-    state.stencil =
-        Some(Stencil { front: face, back: face, read_mask: 0x7f, write_mask: 0xff, reference: 0x80 });
-    Pass {
-        name: format!("fold counts of {}", light.light().name),
-        reason:
-            "more layers than the stencil can count at once: dark stays dark while the counter starts again"
-                .into(),
-        colors: vec![],
-        depth: Some(depth.clone()),
-        draws: vec![Draw {
-            name: "fold".into(),
-            shader: Some(volume_shader("fullscreen_vertex")),
-            state,
-            geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-            bindings: vec![],
-            scissor_px: None,
-        }],
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! The count a shadow volume leaves at a point is the number of cast triangles between the point and the light. An
 //! 8-bit stencil wraps, and is wrong exactly where the true count is a multiple of 256 other than 0. So a bound of at
-//! most 255 certifies the counter, and a caster beyond it is cast in groups, each certified ([`layer_groups`]).
+//! most 255 certifies the counter, and a caster beyond it is cast in groups, each certified ([`layer_groups`](super::layer_groups)).
 //!
 //! The bound is taken in a grid the light looks through: one plane for a directional light, and for a point light one
 //! plane fitted around the casters or, when the light stands among them, the six faces of a cube. Each triangle
@@ -95,45 +95,6 @@ impl LayerGrid {
         }
         self.triangles.min(most.unsigned_abs())
     }
-}
-
-/// Splits the triangles with a sign other than 0 into groups that no light ray crosses more than `limit` times
-/// (at least 1). One group, or none for an empty list, is the common case; groups keep the triangles' order.
-///
-/// Each group must be counted and resolved by itself, and the shadows then united: counts of two groups in one
-/// counter could wrap together.
-///
-/// # Panics
-/// When a corner is out of range of `p_in_world`.
-pub fn layer_groups(
-    light: DVec4,
-    p_in_world: &[DVec3],
-    triangles: &[[u32; 3]],
-    signs: &[i8],
-    limit: u32,
-) -> Vec<Vec<u32>> {
-    let corners_of = |triangle: u32| triangles[triangle as usize].map(|corner| p_in_world[corner as usize]);
-    let cast = (0..triangles.len().min(signs.len()) as u32).filter(|t| signs[*t as usize] != 0);
-    let mut groups = Vec::new();
-    let mut open: Vec<Vec<u32>> = vec![cast.collect()];
-    while let Some(mut group) = open.pop() {
-        // No ray crosses more triangles than there are.
-        if group.len() as u64 > u64::from(limit.max(1)) {
-            let bounds = Aabb::from_points(group.iter().flat_map(|triangle| corners_of(*triangle)));
-            let mut grid = LayerGrid::new(light, &bounds, group.len());
-            group.iter().for_each(|triangle| grid.add_triangle(corners_of(*triangle)));
-            if grid.max_layers() > limit {
-                // Halves of the order in the file: neighbours stay together, and the second half waits.
-                let second_half = group.split_off(group.len() / 2);
-                open.extend([second_half, group]);
-                continue;
-            }
-        }
-        if !group.is_empty() {
-            groups.push(group);
-        }
-    }
-    groups
 }
 
 /// The part of a plane a triangle covers, in coordinates from −1 to 1.
@@ -293,19 +254,5 @@ mod tests {
             assert_eq!(bound(light, &point), 1);
         }
         assert_eq!(bound(DVec4::W, &[DVec3::NAN, DVec3::X, DVec3::Y]), 1);
-    }
-
-    #[test]
-    fn groups_are_certified_and_complete() {
-        let stack = stack(300);
-        let triangles: Vec<[u32; 3]> = (0..300).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-        let mut signs = vec![1; 300];
-        signs[7] = 0;
-        let light = DVec4::new(0.0, 1.0, 0.0, 0.0);
-        let groups = layer_groups(light, &stack, &triangles, &signs, 255);
-        assert_eq!(groups.iter().map(Vec::len).collect::<Vec<_>>(), [149, 150]);
-        assert!(groups.concat().iter().copied().eq((0..300).filter(|t| *t != 7)));
-        assert_eq!(layer_groups(light, &stack, &triangles, &signs, 0).len(), 299);
-        assert!(layer_groups(light, &stack, &triangles, &[], 255).is_empty());
     }
 }

@@ -3,6 +3,7 @@
 
 mod chain;
 mod components;
+mod layer_groups;
 mod layers;
 mod mesh;
 pub mod shapes;
@@ -10,6 +11,7 @@ mod topology;
 
 pub use chain::{Chain, facing_signs, restricted_signs};
 pub use components::{Component, Orientation};
-pub use layers::{LayerGrid, layer_groups};
+pub use layer_groups::{CastTriangles, GroupMember, layer_groups, max_layers};
+pub use layers::LayerGrid;
 pub use mesh::{MAX_MESH_ELEMENTS, Mesh, MeshData, MeshError, Part};
 pub use topology::{Closedness, Edge, EdgeUse, Topology};

@@ -70,7 +70,7 @@ pub fn plan_frame(
         } else {
             let mut counts_bound = 0;
             for claim in claims {
-                segment.techniques.push(claim.technique.type_name().to_owned());
+                segment.techniques.push(claim.label.clone());
                 if claim.casters.is_empty() {
                     b.note(format!("'{}' has no casters for light '{}': no passes", claim.node, light.name));
                     continue;

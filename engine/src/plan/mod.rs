@@ -345,7 +345,8 @@ pub struct LightPlanned {
     pub name: String,
     /// Where its factor ends up.
     pub factor: FactorAt,
-    /// The techniques that shadow it, by type name and options; empty without any.
+    /// The techniques that shadow it, by type name and what options are not at their default; empty
+    /// without any.
     pub techniques: Vec<String>,
     /// Index of the factor image slot, when one was asked for.
     pub factor_image: Option<SlotId>,

@@ -1,6 +1,7 @@
 //! What a node can hold: meshes, lights, cameras and shadow nodes.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 
@@ -173,6 +174,17 @@ pub enum ParamValue {
     Flag(bool),
     /// Several numbers, a colour say.
     Numbers(Vec<f64>),
+}
+
+impl fmt::Display for ParamValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Text(text) => f.write_str(text),
+            Self::Number(number) => number.fmt(f),
+            Self::Flag(flag) => flag.fmt(f),
+            Self::Numbers(numbers) => write!(f, "{numbers:?}"),
+        }
+    }
 }
 
 /// The options of a shadow node, by their camelCase names; what is left out has its default.

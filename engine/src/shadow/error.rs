@@ -26,6 +26,17 @@ pub enum ShadowError {
         second: String,
         second_technique: &'static str,
     },
+    #[error(
+        "light '{light}': caster '{caster}' is claimed by '{first}' ({first_options}) and by '{second}' ({second_options}); one light may have each caster with one set of options only"
+    )]
+    OptionsDiffer {
+        light: String,
+        caster: String,
+        first: String,
+        first_options: String,
+        second: String,
+        second_options: String,
+    },
     #[error("shadow node '{node}' ({technique}) needs {needed}, which adapter '{adapter}' does not have")]
     MissingFeature { node: String, technique: &'static str, needed: String, adapter: String },
     #[error("shadow node '{node}' ({technique}): {reason}")]

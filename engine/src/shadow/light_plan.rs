@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use wgpu::TextureFormat;
 
-use super::{Cache, Claim, ShadowError};
+use super::{Cache, Claim, ShadowError, culling};
 use crate::math::{Aabb, ViewFrustum};
 use crate::plan::{Access, BufferUsage, ColorTarget, DepthTarget, Load, Pass, PlanBuilder, SlotId, SlotKind};
 use crate::scene::{Instance, Posed, PosedCamera, PosedLight};
@@ -77,6 +77,14 @@ impl<'a> LightPlan<'a> {
     pub fn receivers(&self) -> impl Iterator<Item = (usize, &'a Instance)> + use<'a> {
         let posed = self.posed;
         self.claim.receivers.iter().map(move |index| (*index, &posed.instances[*index]))
+    }
+
+    /// Whether a caster within `bounds` may shadow something in view; the reason when it certainly does not.
+    ///
+    /// # Errors
+    /// The reason why it cannot matter, for a note.
+    pub fn may_shadow(&self, bounds: &Aabb) -> Result<(), &'static str> {
+        culling::may_shadow(self.view, self.light(), bounds)
     }
 
     /// The depth of the receivers, for sampling in a pass that does not attach it.

@@ -6,6 +6,7 @@
 
 mod cache;
 mod catalog;
+mod culling;
 mod error;
 mod light_plan;
 mod options;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::{Catalog, ShadowError, ShadowTechnique};
-use crate::scene::Posed;
+use crate::scene::{Params, Posed};
 
 /// What one node casts for one light.
 #[derive(Clone, Debug)]
@@ -13,6 +13,8 @@ pub struct Claim {
     pub node: String,
     /// Its technique.
     pub technique: Arc<dyn ShadowTechnique>,
+    /// The technique's type name, and after it every option that is not at its default.
+    pub label: String,
     /// Indices into [`Posed::instances`], ascending; none is claimed twice for the same light.
     pub casters: Vec<usize>,
     /// Indices into [`Posed::instances`], ascending.
@@ -32,13 +34,15 @@ impl Registry {
     /// Collects every shadow node of `posed`.
     ///
     /// # Errors
-    /// Unknown techniques and options, refused casters, and casters that two techniques claim for one light.
+    /// Unknown techniques and options, refused casters, and casters that two techniques, or one with two sets of
+    /// options, claim for one light.
     pub fn collect(posed: &Posed, catalog: &Catalog) -> Result<Self, ShadowError> {
         let mut registry = Self { lights: vec![Vec::new(); posed.lights.len()], notes: Vec::new() };
         // For each light, which claim already has which caster.
         let mut taken: Vec<HashMap<usize, usize>> = vec![HashMap::new(); posed.lights.len()];
         for node in &posed.shadow_nodes {
             let technique = catalog.technique(&node.name, &node.shadow)?;
+            let label = label(catalog, technique.as_ref());
             let mut casters = Vec::new();
             for &index in &node.casters {
                 let instance = &posed.instances[index];
@@ -64,8 +68,17 @@ impl Registry {
                 for &caster in &casters {
                     match taken[light].get(&caster) {
                         None => own.push(caster),
+                        // Named twice, counted once.
+                        Some(&first) if claims[first].label == label => {}
                         Some(&first) if claims[first].technique.type_name() == technique.type_name() => {
-                            // Named twice, counted once.
+                            return Err(ShadowError::OptionsDiffer {
+                                light: posed.lights[light].name.clone(),
+                                caster: posed.instances[caster].name.clone(),
+                                first: claims[first].node.clone(),
+                                first_options: claims[first].label.clone(),
+                                second: node.name.clone(),
+                                second_options: label,
+                            });
                         }
                         Some(&first) => {
                             return Err(ShadowError::ClaimedTwice {
@@ -83,6 +96,7 @@ impl Registry {
                 claims.push(Claim {
                     node: node.name.clone(),
                     technique: Arc::clone(&technique),
+                    label: label.clone(),
                     casters: own,
                     receivers: node.receivers.clone(),
                 });
@@ -98,4 +112,14 @@ impl Registry {
         casters.sort_unstable();
         casters
     }
+}
+
+/// The technique's type name, and every option that differs from what an empty list of options gives.
+fn label(catalog: &Catalog, technique: &dyn ShadowTechnique) -> String {
+    let name = technique.type_name();
+    let default = catalog.find(name).and_then(|entry| (entry.from_params)(&Params::new()).ok());
+    let default = default.map(|technique| technique.params()).unwrap_or_default();
+    let options = technique.params().into_iter().filter(|(option, value)| default.get(option) != Some(value));
+    let options: Vec<String> = options.map(|(option, value)| format!("{option}={value}")).collect();
+    if options.is_empty() { name.into() } else { format!("{name} {}", options.join(" ")) }
 }

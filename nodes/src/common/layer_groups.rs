@@ -3,13 +3,11 @@
 //! A stencil wraps at 256, so what a count may become is bounded before anything is counted. If all casters of a
 //! light together stay within the stencil, they are counted at once. Otherwise they are counted in groups of at most
 //! 127 layers, and between two groups a *fold* turns every count that is not zero into the sticky bit 7, which later
-//! counts (bits 0 to 6) leave alone. Any set of triangles casts a closed chain, so even one mesh can be split.
+//! counts (bits 0 to 6) leave alone.
 
 use std::sync::Arc;
 
-use glam::DVec4;
-use shadowgraph_engine::geometry::{LayerGrid, Topology};
-use shadowgraph_engine::math::Aabb;
+use shadowgraph_engine::geometry::{CastTriangles, GroupMember, layer_groups, max_layers};
 use shadowgraph_engine::scene::Instance;
 use shadowgraph_engine::shadow::{LightPlan, hash_of};
 
@@ -33,26 +31,21 @@ pub struct Caster<'a> {
     pub facing: Arc<CasterFacing>,
 }
 
-impl<'a> Caster<'a> {
-    fn topology(&self) -> &'a Topology {
-        self.instance.mesh.topology()
+impl Caster<'_> {
+    fn triangles(&self) -> CastTriangles<'_> {
+        CastTriangles {
+            p_in_world: &self.facing.p_in_world,
+            triangles: self.instance.mesh.topology().triangles(),
+            cast: &self.facing.cast,
+        }
     }
-}
-
-/// One caster, or some of its triangles, in a group of certified size.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Member {
-    /// The caster's place in the list that was split.
-    pub caster: usize,
-    /// The triangles; `None` for all that are cast.
-    pub triangles: Option<Vec<u32>>,
 }
 
 /// Groups of casters that are counted one after the other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Groups {
     /// The groups, in the order of the scene and then of the file.
-    pub groups: Vec<Vec<Member>>,
+    pub groups: Vec<Vec<GroupMember>>,
     /// A bound on what all casters together count at any pixel.
     pub bound: u32,
     /// Whether counts must be folded between groups, and before the first if others have counted.
@@ -65,11 +58,13 @@ pub fn group_by_layers(light: &mut LightPlan<'_>, casters: &[Caster<'_>]) -> Arc
     let keys: Vec<u64> = casters.iter().map(|caster| caster.key).collect();
     let (position, before) = (light.light().position, light.counts_before());
     let groups = light.cache.get_or_compute("layer groups", hash_of((&keys, before)), || {
-        let bound = layers(position, casters, &everything(casters), MAX_COUNT);
+        let triangles: Vec<CastTriangles<'_>> = casters.iter().map(Caster::triangles).collect();
+        let everything: Vec<GroupMember> = (0..casters.len()).map(GroupMember::whole).collect();
+        let bound = max_layers(position, &triangles, &everything, MAX_COUNT);
         if bound <= MAX_COUNT - before.min(MAX_COUNT) {
-            return Groups { groups: vec![everything(casters)], bound, folds: false };
+            return Groups { groups: vec![everything], bound, folds: false };
         }
-        Groups { groups: split(position, casters), bound, folds: true }
+        Groups { groups: layer_groups(position, &triangles, MAX_GROUP_COUNT), bound, folds: true }
     });
     if groups.folds {
         let (bound, count) = (groups.bound, groups.groups.len());
@@ -79,56 +74,4 @@ pub fn group_by_layers(light: &mut LightPlan<'_>, casters: &[Caster<'_>]) -> Arc
         ));
     }
     groups
-}
-
-fn everything(casters: &[Caster<'_>]) -> Vec<Member> {
-    (0..casters.len()).map(|caster| Member { caster, triangles: None }).collect()
-}
-
-/// Halves until each is small enough.
-fn split(light: DVec4, casters: &[Caster<'_>]) -> Vec<Vec<Member>> {
-    let mut groups = Vec::new();
-    let mut open = vec![everything(casters)];
-    while let Some(mut group) = open.pop() {
-        if layers(light, casters, &group, MAX_GROUP_COUNT) <= MAX_GROUP_COUNT {
-            groups.push(group);
-        } else if group.len() > 1 {
-            let second_half = group.split_off(group.len() / 2);
-            open.extend([second_half, group]);
-        } else if let Some(Member { caster, triangles }) = group.pop() {
-            let mut triangles = triangles.unwrap_or_else(|| casters[caster].facing.cast.clone());
-            let second_half = triangles.split_off(triangles.len() / 2);
-            open.extend([second_half, triangles].map(|half| vec![Member { caster, triangles: Some(half) }]));
-        }
-    }
-    groups
-}
-
-/// A bound on the cast triangles of `members` that one light ray crosses. A first bound above `enough` is tried again
-/// with a finer grid.
-fn layers(light: DVec4, casters: &[Caster<'_>], members: &[Member], enough: u32) -> u32 {
-    let cast = |member: &Member| {
-        let all = casters[member.caster].facing.cast.len();
-        member.triangles.as_ref().map_or(all, Vec::len)
-    };
-    let count: usize = members.iter().map(cast).sum();
-    // No ray crosses more triangles than there are.
-    if count <= enough as usize {
-        return count as u32;
-    }
-    let bounds = members.iter().fold(Aabb::EMPTY, |bounds, member| {
-        let caster = &casters[member.caster];
-        bounds.union(&caster.facing.bounds(caster.topology()))
-    });
-    let bound_with = |detail: usize| {
-        let mut grid = LayerGrid::with_detail(light, &bounds, count, detail);
-        for member in members {
-            let (facing, topology) = (&casters[member.caster].facing, casters[member.caster].topology());
-            let triangles = member.triangles.as_ref().unwrap_or(&facing.cast);
-            triangles.iter().for_each(|triangle| grid.add_triangle(facing.corners(topology, *triangle)));
-        }
-        grid.max_layers()
-    };
-    let bound = bound_with(1);
-    if bound > enough { bound.min(bound_with(4)) } else { bound }
 }

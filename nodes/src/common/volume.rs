@@ -4,8 +4,7 @@ use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, DVec4};
-use shadowgraph_engine::geometry::{Chain, Topology, facing_signs, restricted_signs};
-use shadowgraph_engine::math::Aabb;
+use shadowgraph_engine::geometry::{Chain, facing_signs, restricted_signs};
 use shadowgraph_engine::scene::Instance;
 
 use super::extrusion::End;
@@ -99,16 +98,6 @@ impl CasterFacing {
         }
         let cast = (0..signs.len() as u32).filter(|triangle| signs[*triangle as usize] != 0).collect();
         Self { p_in_world, signs, cast }
-    }
-
-    /// The corners of `triangle` in the world.
-    pub fn corners(&self, topology: &Topology, triangle: u32) -> [DVec3; 3] {
-        topology.triangles()[triangle as usize].map(|corner| self.p_in_world[corner as usize])
-    }
-
-    /// The box around the cast triangles.
-    pub fn bounds(&self, topology: &Topology) -> Aabb {
-        Aabb::from_points(self.cast.iter().flat_map(|triangle| self.corners(topology, *triangle)))
     }
 }
 
