@@ -188,9 +188,11 @@ fn report(
         .map(|light| {
             let mut entry = Map::new();
             entry.insert("name".into(), json!(light.name));
-            let technique =
-                if light.techniques.is_empty() { "none".into() } else { light.techniques.join(" + ") };
+            let names: Vec<&str> = light.techniques.iter().filter_map(|t| t.split(' ').next()).collect();
+            let technique = if names.is_empty() { "none".into() } else { names.join(" + ") };
             entry.insert("technique".into(), json!(technique));
+            // With the options that are not at their default.
+            entry.insert("techniques".into(), json!(light.techniques));
             if let Some(error) = errors.iter().find(|error| error.name == light.name) {
                 entry.insert("error".into(), error_json(error));
             }
