@@ -1,4 +1,6 @@
-//! Technique × hard case: every factor is judged by the exact reference.
+//! Every technique × every hard case × every setting, on linear factors, judged by the exact reference.
+//!
+//! `CASE=part-of-a-name` tries the cases so called and prints the plan of what fails; `DUMP=folder` writes error maps.
 
 #![allow(
     clippy::unwrap_used,
@@ -8,84 +10,82 @@
 
 mod common;
 
-use shadowgraph::cases::{self, Case, Expect};
-use shadowgraph::measure::{ErrorTable, EvaluateError, Evaluation, evaluate, pictures};
+use std::collections::BTreeMap;
+
+use common::conformance::{Trial, try_all};
+use common::tolerances::ROWS;
+use shadowgraph::cases::{self, Case};
+use shadowgraph::measure::{ReferenceShadow, pictures};
 use shadowgraph::prelude::*;
 
-/// Renders and judges one case.
-fn judge(renderer: &mut Renderer, case: &Case) -> Result<Evaluation, EvaluateError> {
-    let request = FrameRequest::new(case.camera.clone(), case.size_px);
-    evaluate(renderer, &case.scene, &request, &|_, _| {})
+/// The built-in techniques, the reference among them.
+fn renderer() -> Option<Renderer> {
+    let mut catalog = shadowgraph_nodes::catalog();
+    catalog.register(ReferenceShadow::ENTRY);
+    Some(Renderer::new(common::renderer()?.gpu().clone(), catalog))
 }
 
-/// What is wrong with an evaluation, in a few lines; `None` when it is as the case expects.
-fn complaint(case: &Case, result: &Result<Evaluation, EvaluateError>) -> Option<String> {
-    let evaluation = match (result, &case.expect) {
-        (
-            Err(EvaluateError::Render(RenderError::Shadow(_) | RenderError::Frame(_))),
-            Expect::Refused { .. },
-        ) => {
-            return None;
-        }
-        (Err(error), _) => return Some(format!("failed: {error}")),
-        (Ok(_), Expect::Refused { why }) => return Some(format!("drew something, but should refuse: {why}")),
-        (Ok(evaluation), _) => evaluation,
-    };
-    let mut wrong = Vec::new();
-    // Where nothing is visible there is nothing to compare, and only then.
-    let empty =
-        case.expect == Expect::NoShadow && evaluation.errors.iter().all(|error| error.hit_pixels == 0);
-    if !empty && !evaluation.errors.iter().all(|error| error.passes()) {
-        wrong.push(ErrorTable(&evaluation.errors).to_string());
-    }
-    for error in &evaluation.errors {
-        let (dark, lit) = (error.shadow_pixels > 0, error.shadow_pixels < error.compared);
-        match case.expect {
-            Expect::Shadow if !(dark && lit) => wrong.push(format!("{}: no shadow to get wrong", error.name)),
-            Expect::NoShadow if dark => {
-                wrong.push(format!("{}: a shadow where none is expected", error.name));
-            }
-            _ => {}
-        }
-    }
-    (!wrong.is_empty()).then(|| wrong.join("\n"))
-}
-
-/// Writes the error maps of a case, for looking at.
-fn dump(case: &Case, evaluation: &Evaluation, folder: &std::path::Path) {
+/// Writes the error maps of a trial, for looking at.
+fn dump(trial: &Trial, folder: &std::path::Path) {
+    let Some(evaluation) = &trial.evaluation else { return };
     std::fs::create_dir_all(folder).unwrap();
     for (light, _) in &evaluation.measured.lights {
-        let path = folder.join(format!("{}-{light}.png", case.name().replace('/', "_")));
+        let name = format!("{}-{}-{}-{light}.png", trial.case, trial.technique, trial.setting);
+        let path = folder.join(name.replace('/', "_"));
         pictures::write_error_map(&path, &evaluation.measured, &evaluation.reference, light).unwrap();
     }
 }
 
 #[test]
-fn hard_volumes_equal_the_reference_on_every_hard_case() {
-    let Some(mut renderer) = common::renderer() else { return };
+fn every_technique_does_on_every_case_what_it_declares() {
+    let Some(mut renderer) = renderer() else { return };
     let filter = std::env::var("CASE").unwrap_or_default();
+    let cases = cases::all().into_iter().flat_map(|entry| entry.build());
+    let cases: Vec<Case> = cases.filter(|case| case.name().contains(&filter)).collect();
+    assert!(!cases.is_empty(), "no case is called '{filter}'");
     let mut failures = Vec::new();
-    let mut judged = 0;
-    for case in
-        cases::all().iter().flat_map(|entry| entry.build()).filter(|case| case.name().contains(&filter))
-    {
-        let result = judge(&mut renderer, &case);
-        judged += 1;
-        if let (Ok(evaluation), Some(folder)) = (&result, std::env::var_os("DUMP")) {
-            dump(&case, evaluation, std::path::Path::new(&folder));
+    let mut accepted: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    for trial in cases.iter().flat_map(|case| try_all(&mut renderer, case, ROWS)) {
+        *accepted.entry((trial.technique, trial.setting)).or_default() += usize::from(trial.accepted);
+        if let Some(folder) = std::env::var_os("DUMP") {
+            dump(&trial, std::path::Path::new(&folder));
         }
-        if let Some(complaint) = complaint(&case, &result) {
-            if filter.is_empty() {
-                failures.push(format!("{}: {complaint}", case.name()));
-            } else {
-                println!("{}: {complaint}", case.name());
-                if let Ok(evaluation) = &result {
-                    println!("{}", evaluation.frame.plan);
-                }
-                failures.push(case.name());
+        if let Some(complaint) = &trial.complaint {
+            if let (Some(evaluation), false) = (&trial.evaluation, filter.is_empty()) {
+                println!("{}", evaluation.frame.plan);
             }
+            failures.push(format!("{}: {complaint}", trial.name()));
         }
     }
-    assert!(judged > 0, "no case is called '{filter}'");
-    assert!(failures.is_empty(), "{} of {judged} cases fail:\n{}", failures.len(), failures.join("\n"));
+    for ((technique, setting), count) in &accepted {
+        println!("{technique} ({setting}): {count} of {} accepted", cases.len());
+        let row = ROWS.iter().find(|row| row.technique == *technique && row.setting == *setting);
+        if filter.is_empty() && row.is_some_and(|row| *count < row.accepts_at_least) {
+            failures.push(format!("{technique} ({setting}) accepts only {count} cases"));
+        }
+    }
+    assert!(failures.is_empty(), "{} fail:\n{}", failures.len(), failures.join("\n"));
+}
+
+#[test]
+fn every_row_belongs_to_a_technique() {
+    let mut catalog = shadowgraph_nodes::catalog();
+    catalog.register(ReferenceShadow::ENTRY);
+    let known: Vec<_> = catalog
+        .entries()
+        .iter()
+        .flat_map(|entry| entry.all_settings().map(|setting| (entry.type_name, setting.name)))
+        .collect();
+    let listed: Vec<_> = ROWS.iter().map(|row| (row.technique, row.setting)).collect();
+    assert_eq!(
+        listed.iter().filter(|row| !known.contains(row)).collect::<Vec<_>>(),
+        Vec::<&(&str, &str)>::new()
+    );
+    let unique: std::collections::HashSet<_> = listed.iter().collect();
+    assert_eq!(unique.len(), listed.len(), "a row is there twice");
+    let names: Vec<_> = cases::all().iter().flat_map(|entry| entry.build()).map(|case| case.name()).collect();
+    for (case, _) in ROWS.iter().flat_map(|row| row.except) {
+        let found = names.iter().any(|name| name == case || name.starts_with(&format!("{case}/")));
+        assert!(found, "no case is called '{case}'");
+    }
 }

@@ -43,6 +43,28 @@ pub enum Expect {
     },
 }
 
+/// What a technique says about a case, before it is tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// The reference's factor: what every technique owes that a row does not name.
+    Exact,
+    /// Something close to it. The bound is the technique's own; tests hold it to that.
+    Approximates {
+        /// Why not exactly.
+        why: &'static str,
+    },
+    /// A typed error, never a picture.
+    Refuses {
+        /// What the technique cannot do.
+        why: &'static str,
+    },
+    /// What the case is about casts nothing through this technique, by design; the reference's factor for what does.
+    LeavesOut {
+        /// What it leaves to others.
+        why: &'static str,
+    },
+}
+
 /// A visible surface point whose factor is known without a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
@@ -71,6 +93,8 @@ pub struct Case {
     pub size_px: [u32; 2],
     /// Options that belong to the case and not to a technique's quality, a light's radius say.
     pub options: Params,
+    /// What single techniques say about it, by type name; the others owe the exact answer.
+    pub answers: &'static [(&'static str, Answer)],
     /// What is right for the whole frame.
     pub expect: Expect,
     /// What is right at single points.
@@ -81,6 +105,11 @@ impl Case {
     /// The id and the variant: a name no other case has.
     pub fn name(&self) -> String {
         if self.variant.is_empty() { self.id.into() } else { format!("{}/{}", self.id, self.variant) }
+    }
+
+    /// What the technique of this type name says about the case.
+    pub fn answer(&self, technique: &str) -> Answer {
+        self.answers.iter().find(|(name, _)| *name == technique).map_or(Answer::Exact, |(_, answer)| *answer)
     }
 
     /// The scene with another technique in its shadow node: with `params`, and with those of the case's own options
@@ -116,12 +145,17 @@ pub struct CaseEntry {
     pub right_answer: &'static str,
     /// What must exist before the case can be built; empty for cases that build.
     pub needs: &'static str,
+    /// What single techniques say about it, by type name; the others owe the exact answer.
+    pub answers: &'static [(&'static str, Answer)],
     stages: fn() -> Vec<Stage>,
 }
 
 impl CaseEntry {
     /// Makes the case's scenes; none while [`CaseEntry::needs`] is not met.
     pub fn build(&self) -> Vec<Case> {
-        (self.stages)().into_iter().map(|stage| stage.into_case(self.id, self.what_breaks)).collect()
+        (self.stages)()
+            .into_iter()
+            .map(|stage| stage.into_case(self.id, self.what_breaks, self.answers))
+            .collect()
     }
 }

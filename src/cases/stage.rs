@@ -9,7 +9,7 @@ use shadowgraph_engine::scene::{
 };
 use std::sync::Arc;
 
-use super::{Case, Expect, Probe};
+use super::{Answer, Case, Expect, Probe};
 
 /// A case under construction.
 #[derive(Clone, Debug)]
@@ -219,7 +219,12 @@ impl Stage {
     }
 
     /// The finished case; every scene's one shadow node is added here.
-    pub(super) fn into_case(mut self, id: &'static str, what_breaks: &'static str) -> Case {
+    pub(super) fn into_case(
+        mut self,
+        id: &'static str,
+        what_breaks: &'static str,
+        answers: &'static [(&'static str, Answer)],
+    ) -> Case {
         self.scene.add_shadow("shadows", ShadowNode::new("ShadowVolumeHard"));
         let camera = Camera { name: "main".into(), projection: self.projection };
         self.scene.add_camera(camera.clone(), self.eye, self.target);
@@ -231,6 +236,7 @@ impl Stage {
             camera: PosedCamera::looking(camera, self.eye, self.target),
             size_px: self.size_px,
             options: self.options,
+            answers,
             expect: self.expect,
             probes: self.probes,
         }

@@ -44,7 +44,7 @@ pub struct Sweep {
 impl Sweep {
     /// Makes the scenes, each with the parameter's value. Cases are called after the sweep and the value.
     pub fn steps(&self) -> Vec<(f64, Case)> {
-        let case = |(value, stage): (f64, Stage)| (value, stage.into_case(self.id, self.what_breaks));
+        let case = |(value, stage): (f64, Stage)| (value, stage.into_case(self.id, self.what_breaks, &[]));
         (self.stages)().into_iter().map(case).collect()
     }
 }

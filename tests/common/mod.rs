@@ -2,8 +2,10 @@
 
 #![allow(dead_code, unused_imports, reason = "each test crate uses its own part of this")]
 
+pub(crate) mod conformance;
 mod gpu;
 mod plans;
+pub(crate) mod tolerances;
 
 pub(crate) use gpu::{measure, mesh, renderer};
 pub(crate) use plans::*;

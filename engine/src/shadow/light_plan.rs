@@ -148,6 +148,12 @@ impl<'a> LightPlan<'a> {
         self.builder.passes.push(pass);
     }
 
+    /// The passes that techniques have added for this light so far, in order: what a technique that wraps another may
+    /// still change.
+    pub fn passes_mut(&mut self) -> &mut [Pass] {
+        &mut self.builder.passes
+    }
+
     /// Notes something that was left out.
     pub fn note(&mut self, note: impl Into<String>) {
         self.builder.note(note);

@@ -1,0 +1,140 @@
+//! Every technique × every case × every setting, each held to its row of the table.
+
+use shadowgraph::cases::{Answer, Case, Expect};
+use shadowgraph::engine::shadow::{Setting, TechniqueEntry};
+use shadowgraph::measure::{
+    ErrorTable, EvaluateError, Evaluation, KnownReferences, LightError, evaluate_again,
+};
+use shadowgraph::prelude::*;
+
+use super::tolerances::{Row, Tolerance};
+
+/// One technique and setting on one case.
+pub(crate) struct Trial {
+    pub(crate) technique: &'static str,
+    pub(crate) setting: &'static str,
+    pub(crate) case: String,
+    /// Whether there is a picture, rather than an error.
+    pub(crate) accepted: bool,
+    /// What is wrong; `None` when everything is as it was declared.
+    pub(crate) complaint: Option<String>,
+    pub(crate) evaluation: Option<Evaluation>,
+}
+
+impl Trial {
+    /// What it is called in messages.
+    pub(crate) fn name(&self) -> String {
+        format!("{} ({}) on {}", self.technique, self.setting, self.case)
+    }
+}
+
+/// Tries every technique that `renderer` knows, in every setting, on `case`.
+pub(crate) fn try_all(renderer: &mut Renderer, case: &Case, rows: &[Row]) -> Vec<Trial> {
+    let mut references = KnownReferences::default();
+    let entries: Vec<TechniqueEntry> = renderer.catalog().entries().to_vec();
+    let settings = entries.iter().flat_map(|entry| entry.all_settings().map(move |setting| (entry, setting)));
+    settings
+        .map(|(entry, setting)| try_one(renderer, case, (entry, setting), rows, &mut references))
+        .collect()
+}
+
+fn try_one(
+    renderer: &mut Renderer,
+    case: &Case,
+    (entry, setting): (&TechniqueEntry, Setting),
+    rows: &[Row],
+    references: &mut KnownReferences,
+) -> Trial {
+    let mut trial = Trial {
+        technique: entry.type_name,
+        setting: setting.name,
+        case: case.name(),
+        accepted: false,
+        complaint: None,
+        evaluation: None,
+    };
+    let Some(row) = rows.iter().find(|row| row.technique == entry.type_name && row.setting == setting.name)
+    else {
+        trial.complaint = Some("no row in the table of tolerances".into());
+        return trial;
+    };
+    let scene = match case.scene_with(entry, &(setting.params)()) {
+        Ok(scene) => scene,
+        Err(error) => {
+            trial.complaint = Some(format!("the setting is not accepted: {error}"));
+            return trial;
+        }
+    };
+    let request = FrameRequest::new(case.camera.clone(), case.size_px);
+    let result = evaluate_again(renderer, &scene, &request, references, &|_, _| {});
+    trial.accepted = result.is_ok();
+    trial.complaint = complaint(case, &result, row).map(|complaint| match setting.name {
+        "default" => complaint,
+        _ => format!("{complaint} [{}]", setting.why),
+    });
+    trial.evaluation = result.ok();
+    trial
+}
+
+/// What is wrong with a result, in a few lines.
+fn complaint(case: &Case, result: &Result<Evaluation, EvaluateError>, row: &Row) -> Option<String> {
+    let answer = case.answer(row.technique);
+    let owed = match (answer, &case.expect) {
+        (Answer::Refuses { .. }, _) | (_, Expect::Refused { .. }) => Tolerance::Refused,
+        _ => row.on(case.id, &case.name()),
+    };
+    // What a case declares and what the table allows must be the same thing.
+    if matches!(answer, Answer::Approximates { .. }) != matches!(owed, Tolerance::Within(_))
+        && matches!(answer, Answer::Approximates { .. })
+    {
+        return Some("the case calls it an approximation, and the table of tolerances has no bound".into());
+    }
+    let evaluation = match (result, owed) {
+        (Ok(_), Tolerance::Refused) => return Some("drew something, but should refuse".into()),
+        (Ok(evaluation), _) => evaluation,
+        (Err(error), Tolerance::Refused | Tolerance::ExactWhereAccepted) if is_refusal(error) => return None,
+        (Err(error), _) => return Some(format!("failed: {error}")),
+    };
+    let wrong = evaluation.errors.iter().filter_map(|error| complaint_about(case, error, answer, owed));
+    let wrong: Vec<String> = wrong.collect();
+    (!wrong.is_empty()).then(|| wrong.join("\n"))
+}
+
+/// Whether the technique, or the engine for it, said no: neither a lost device nor a picture that cannot be compared.
+fn is_refusal(error: &EvaluateError) -> bool {
+    matches!(error, EvaluateError::Render(RenderError::Shadow(_) | RenderError::Frame(_)))
+}
+
+fn complaint_about(case: &Case, error: &LightError, answer: Answer, owed: Tolerance) -> Option<String> {
+    let name = &error.name;
+    // Where nothing is visible there is nothing to compare, and only then.
+    if case.expect == Expect::NoShadow && error.hit_pixels == 0 {
+        return None;
+    }
+    let passes = match owed {
+        Tolerance::Within(bound) => {
+            let share = error.wrong_outside_band as f64 / error.compared as f64;
+            error.compared > 0 && share <= bound.wrong_share && error.rmse <= bound.rmse
+        }
+        _ => error.passes(),
+    };
+    if !passes {
+        let (leaks, dark) = (error.leak_outside_band, error.false_outside_band);
+        let table = ErrorTable(std::slice::from_ref(error)).to_string();
+        return Some(format!("{name}: {leaks} leaks and {dark} false shadows outside the band\n{table}"));
+    }
+    if matches!(answer, Answer::LeavesOut { .. }) {
+        return None;
+    }
+    let lit = error.shadow_pixels < error.compared;
+    match case.expect {
+        Expect::Shadow if error.shadow_pixels == 0 || !lit => Some(format!("{name}: no shadow to get wrong")),
+        Expect::Shadow if error.measured_shadow_pixels == 0 => {
+            Some(format!("{name}: no shadow where one is expected"))
+        }
+        Expect::NoShadow if error.measured_shadow_pixels > 0 && !matches!(owed, Tolerance::Within(_)) => {
+            Some(format!("{name}: a shadow where none is expected"))
+        }
+        _ => None,
+    }
+}

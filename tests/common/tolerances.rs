@@ -1,0 +1,72 @@
+//! What every technique and setting owes on the hard cases: the one table of tolerances.
+//!
+//! A technique or setting without a row fails. What an exact technique owes is fixed in `shadowgraph::measure`, and no
+//! row loosens it: an approximation is declared here in advance, with its bound and its reason, or it is an error. A
+//! technique from outside brings its own rows.
+
+/// What is owed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Tolerance {
+    /// 0 wrong pixels outside the ambiguity band, in every channel.
+    Exact,
+    /// The same, or a typed error: the setting forces what only some views and casters allow.
+    ExactWhereAccepted,
+    /// An approximation, at most so far off.
+    Within(Bound),
+    /// A typed error.
+    Refused,
+}
+
+/// How far an approximation may be off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bound {
+    /// Wrong pixels outside the band, as a share of those compared.
+    pub(crate) wrong_share: f64,
+    /// Root of the mean squared difference over the frame.
+    pub(crate) rmse: f64,
+    /// Why it cannot be exact.
+    pub(crate) why: &'static str,
+}
+
+/// What one setting of one technique owes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Row {
+    /// The technique's type name.
+    pub(crate) technique: &'static str,
+    /// The setting's name.
+    pub(crate) setting: &'static str,
+    /// On every case that `except` does not name.
+    pub(crate) owes: Tolerance,
+    /// On single cases, by id or by full name.
+    pub(crate) except: &'static [(&'static str, Tolerance)],
+    /// How many variants of the cases it must accept, so that refusing is no way to pass.
+    pub(crate) accepts_at_least: usize,
+}
+
+impl Row {
+    /// What is owed on the case of this id and name.
+    pub(crate) fn on(&self, id: &str, name: &str) -> Tolerance {
+        let named = self.except.iter().find(|(case, _)| *case == id || *case == name);
+        named.map_or(self.owes, |(_, tolerance)| *tolerance)
+    }
+}
+
+const fn exact(technique: &'static str, setting: &'static str) -> Row {
+    Row { technique, setting, owes: Tolerance::Exact, except: &[], accepts_at_least: 180 }
+}
+
+const fn forced(technique: &'static str, setting: &'static str, accepts_at_least: usize) -> Row {
+    Row { technique, setting, owes: Tolerance::ExactWhereAccepted, except: &[], accepts_at_least }
+}
+
+const HARD: &str = "ShadowVolumeHard";
+
+/// The built-in techniques.
+pub(crate) const ROWS: &[Row] = &[
+    exact(HARD, "default"),
+    forced(HARD, "z-pass", 150),
+    exact(HARD, "z-fail"),
+    exact(HARD, "open"),
+    exact(HARD, "infinite"),
+    exact("Reference", "default"),
+];
