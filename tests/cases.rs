@@ -1,12 +1,14 @@
 //! The table of hard cases is complete, and every scene of it shows what it is about.
 //!
 //! A small tracer of its own (all triangles, no tree, no code shared with the reference) checks that the camera sees
-//! every probe, that the probes' hand-made answers are right, and that frames which must show a shadow do.
+//! every probe, that the probes' hand-made answers are right (through glass and for lights with a size, too), and that frames which must show a shadow do.
 
-use glam::DVec3;
+use std::sync::Arc;
+
+use glam::{DVec3, DVec4, Vec2};
 use shadowgraph::cases::{self, Case, Expect};
 use shadowgraph_engine::math::{Aabb, facing_sign};
-use shadowgraph_engine::scene::{Posed, PosedCamera, PosedLight};
+use shadowgraph_engine::scene::{Image, Instance, Material, Posed, PosedCamera, PosedLight};
 
 /// Every id of the documentation.
 const IDS: &[&str] = &[
@@ -113,15 +115,61 @@ const IDS: &[&str] = &[
 /// A posed scene as bare triangles, one box for each instance.
 struct Soup {
     instances: Vec<(Aabb, Vec<[DVec3; 3]>)>,
+    glass: Vec<Glass>,
+}
+
+/// A triangle that lets light through.
+struct Glass {
+    corners: [DVec3; 3],
+    uvs: [Vec2; 3],
+    material: Arc<Material>,
+    image: Option<Arc<Image>>,
+}
+
+impl Glass {
+    /// What passes at the point of these weights of the second and third corner: (1 − α)·rgb, and all where α is 0.
+    fn transmission(&self, [u, v]: [f64; 2]) -> [f64; 3] {
+        let mut color = self.material.base_color.as_dvec4();
+        if let Some(image) = &self.image {
+            let [a, b, c] = self.uvs.map(Vec2::as_dvec2);
+            let uv = (a * (1.0 - u - v) + b * u + c * v).fract();
+            let texel = |coordinate: f64, size: u32| ((coordinate * f64::from(size)) as u32).min(size - 1);
+            let index = (texel(uv.y, image.height) * image.width + texel(uv.x, image.width)) as usize * 4;
+            let linear = |byte: u8| {
+                let value = f64::from(byte) / 255.0;
+                if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+            };
+            let bytes = &image.rgba8[index..index + 4];
+            color *=
+                DVec4::new(linear(bytes[0]), linear(bytes[1]), linear(bytes[2]), f64::from(bytes[3]) / 255.0);
+        }
+        if color.w == 0.0 { [1.0; 3] } else { (color.truncate() * (1.0 - color.w)).to_array() }
+    }
 }
 
 impl Soup {
     fn new(posed: &Posed) -> Self {
-        let of = |i: &shadowgraph_engine::scene::Instance| {
-            let triangles = (0..i.mesh.triangle_count()).map(|t| i.world_triangle(t)).collect();
+        let of = |i: &Instance| {
+            let opaque = (0..i.mesh.triangle_count()).filter(|t| i.material_of(*t).is_opaque());
+            let triangles = opaque.map(|t| i.world_triangle(t)).collect();
             (i.world_bounds.expanded(i.world_bounds.radius() * 1e-9), triangles)
         };
-        Self { instances: posed.instances.iter().map(of).collect() }
+        let glass = |i: &Instance, triangle: usize| {
+            let material = Arc::clone(i.material_of(triangle));
+            let uvs = &i.mesh.data().uvs;
+            let uv = |vertex: u32| uvs.get(vertex as usize).copied().unwrap_or_default();
+            Glass {
+                corners: i.world_triangle(triangle),
+                uvs: i.mesh.triangle(triangle).map(uv),
+                image: material.base_color_texture.map(|texture| Arc::clone(&posed.images[&texture.image])),
+                material,
+            }
+        };
+        let panes = posed.instances.iter().flat_map(|i| {
+            let through = (0..i.mesh.triangle_count()).filter(|t| !i.material_of(*t).is_opaque());
+            through.map(|t| glass(i, t)).collect::<Vec<_>>()
+        });
+        Self { instances: posed.instances.iter().map(of).collect(), glass: panes.collect() }
     }
 
     /// The nearest hit along origin + t·direction with t between the limits, and the triangle's corners.
@@ -131,43 +179,93 @@ impl Soup {
             if !bounds.intersects_ray(origin, direction, limits[1]) {
                 continue;
             }
-            for [a, b, c] in triangles {
-                let (ab, ac) = (*b - *a, *c - *a);
-                let normal = ab.cross(ac);
-                let det = -direction.dot(normal);
-                let from_a = origin - *a;
-                let t = from_a.dot(normal) / det;
-                let moment = from_a.cross(direction);
-                let (u, v) = (ac.dot(moment) / det, -ab.dot(moment) / det);
-                // Where det is 0 these are NaN or infinite, and every comparison below says no.
-                if u >= 0.0
-                    && v >= 0.0
-                    && u + v <= 1.0
+            for triangle in triangles {
+                if let Some((t, _)) = crossing(triangle, origin, direction)
                     && t > limits[0]
                     && t < best.map_or(limits[1], |b| b.0)
                 {
-                    best = Some((t, [*a, *b, *c]));
+                    best = Some((t, *triangle));
                 }
             }
         }
         best
     }
 
-    /// Whether the light reaches `point` on `surface`, seen from `eye_side`; `None` outside the light's reach.
-    fn lit(&self, light: &PosedLight, point: DVec3, surface: [DVec3; 3], to_eye: DVec3) -> Option<bool> {
+    /// The factor of `light` at `point` on `surface`, seen from `to_eye`; `None` outside the light's reach.
+    fn factor(
+        &self,
+        light: &PosedLight,
+        point: DVec3,
+        surface: [DVec3; 3],
+        to_eye: DVec3,
+    ) -> Option<[f64; 3]> {
         if !light.reaches(point) {
             return None;
         }
         let [a, b, c] = surface;
         let eye_sign = facing_sign(a, b, c, to_eye.extend(0.0));
         if facing_sign(a, b, c, light.position) * eye_sign <= 0 {
-            return Some(false);
+            return Some([0.0; 3]);
         }
         let to_light = light.position.truncate() - point * light.position.w;
         let end = if light.position.w == 0.0 { f64::INFINITY } else { 1.0 - 1e-9 };
         let start = if light.position.w == 0.0 { 1e-7 * (1.0 + point.length()) } else { 1e-7 };
-        Some(self.hit(point, to_light, [start, end]).is_none())
+        if self.hit(point, to_light, [start, end]).is_some() {
+            return Some([0.0; 3]);
+        }
+        let crossed = self.glass.iter().filter_map(|glass| {
+            let (t, weights) = crossing(&glass.corners, point, to_light)?;
+            (t > start && t < end).then(|| glass.transmission(weights))
+        });
+        Some(crossed.fold([1.0; 3], |product, next| [0, 1, 2].map(|i| product[i] * next[i])))
     }
+
+    /// The mean factor over the light's disc: of directions within `angle_rad`, or around a point for `radius_m`.
+    fn soft_factor(
+        &self,
+        light: &PosedLight,
+        [radius_m, angle_rad]: [f64; 2],
+        point: DVec3,
+        surface: [DVec3; 3],
+        to_eye: DVec3,
+    ) -> Option<[f64; 3]> {
+        const SIDE: usize = 48;
+        let to_light = light.position.truncate() - point * light.position.w;
+        let distance = to_light.length();
+        let radius = match light.position.w {
+            0.0 => angle_rad.tan() * distance,
+            _ if distance <= radius_m => 0.0,
+            _ => radius_m * distance / (distance * distance - radius_m * radius_m).sqrt(),
+        };
+        if radius == 0.0 {
+            return self.factor(light, point, surface, to_eye);
+        }
+        light.reaches(point).then_some(())?;
+        let (u, v) = to_light.normalize().any_orthonormal_pair();
+        let mut sum = [0.0; 3];
+        for i in 0..SIDE * SIDE {
+            let within = |k: usize| (k as f64 + 0.5) / SIDE as f64;
+            let (r, angle) = (radius * within(i % SIDE).sqrt(), within(i / SIDE) * std::f64::consts::TAU);
+            let moved = (u * angle.cos() + v * angle.sin()) * r;
+            let sample = PosedLight { position: light.position + moved.extend(0.0), ..light.clone() };
+            let factor = self.factor(&sample, point, surface, to_eye).unwrap_or_default();
+            sum = [0, 1, 2].map(|i| sum[i] + factor[i]);
+        }
+        Some(sum.map(|sum| sum / (SIDE * SIDE) as f64))
+    }
+}
+
+/// Where the ray meets the triangle: its parameter, and the weights of the second and third corner.
+fn crossing([a, b, c]: &[DVec3; 3], origin: DVec3, direction: DVec3) -> Option<(f64, [f64; 2])> {
+    let (ab, ac) = (*b - *a, *c - *a);
+    let normal = ab.cross(ac);
+    let det = -direction.dot(normal);
+    let from_a = origin - *a;
+    let t = from_a.dot(normal) / det;
+    let moment = from_a.cross(direction);
+    let (u, v) = (ac.dot(moment) / det, -ab.dot(moment) / det);
+    // Where det is 0 these are NaN or infinite, and every comparison says no.
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then_some((t, [u, v]))
 }
 
 fn primary_ray(camera: &PosedCamera, size_px: [u32; 2], ndc: [f64; 2]) -> (DVec3, DVec3) {
@@ -199,8 +297,8 @@ fn count_samples(case: &Case, posed: &Posed, soup: &Soup) -> Vec<[usize; 2]> {
             continue;
         };
         for (light, count) in posed.lights.iter().zip(&mut counts) {
-            if let Some(lit) = soup.lit(light, origin + direction * t, surface, -direction) {
-                count[usize::from(lit)] += 1;
+            if let Some(factor) = soup.factor(light, origin + direction * t, surface, -direction) {
+                count[usize::from(factor == [1.0; 3])] += 1;
             }
         }
     }
@@ -233,8 +331,14 @@ fn check(case: &Case) -> Vec<String> {
         let distance = (point - origin).length();
         match hit {
             Some((t, surface)) if (origin + direction * t - point).length() < 1e-4 * distance => {
-                if soup.lit(light, point, surface, -direction) != Some(probe.lit) {
-                    wrong.push(format!("{}: {point} should be lit = {}", case.name(), probe.lit));
+                let size = cases::light_size(&case.options);
+                let factor =
+                    soup.soft_factor(light, size, point, surface, -direction).unwrap_or([f64::NAN; 3]);
+                // A disc is sampled.
+                let within = if size == [0.0; 2] { 1e-4 } else { 0.02 };
+                let expected = probe.factor.map(f64::from);
+                if !(0..3).all(|channel| (factor[channel] - expected[channel]).abs() <= within) {
+                    wrong.push(format!("{}: {point} is {factor:?}, not {expected:?}", case.name()));
                 }
             }
             Some((t, _)) => {

@@ -12,9 +12,13 @@
 
 mod counts;
 mod eyes;
+mod glass;
 mod lights;
 mod many;
+mod maps;
+mod planar;
 mod repairs;
+mod soft;
 mod stage;
 pub mod sweeps;
 mod table;
@@ -25,6 +29,7 @@ use shadowgraph_engine::scene::{Params, PosedCamera, Scene};
 use shadowgraph_engine::shadow::{OptionError, TechniqueEntry};
 use stage::Stage;
 
+pub use soft::light_size;
 pub use table::all;
 
 /// What a technique that claims a case must produce.
@@ -65,15 +70,15 @@ pub enum Answer {
     },
 }
 
-/// A visible surface point whose factor is known without a reference.
+/// A visible surface point whose factor was worked out without a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
     /// The point, on an opaque surface that the camera sees, well inside its shadow or light.
     pub p_in_world: glam::DVec3,
     /// The light's name.
     pub light: String,
-    /// Whether the light reaches it.
-    pub lit: bool,
+    /// The light's factor there, red, green and blue: 1 lit, 0 dark.
+    pub factor: [f32; 3],
 }
 
 /// One scene of a hard case.

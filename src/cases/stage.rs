@@ -5,7 +5,8 @@ use shadowgraph_engine::geometry::shapes::{cuboid, plane};
 use shadowgraph_engine::geometry::{Mesh, MeshData};
 use shadowgraph_engine::math::Projection;
 use shadowgraph_engine::scene::{
-    Camera, Content, Image, Light, Material, MeshNode, Params, PosedCamera, Scene, ShadowNode, TextureRef,
+    Camera, Content, Image, Light, Material, MeshNode, NodeKey, ParamValue, Params, PosedCamera, Scene,
+    ShadowNode, TextureRef,
 };
 use std::sync::Arc;
 
@@ -21,6 +22,7 @@ pub(super) struct Stage {
     projection: Projection,
     size_px: [u32; 2],
     options: Params,
+    receivers: Vec<NodeKey>,
     expect: Expect,
     probes: Vec<Probe>,
     lights: usize,
@@ -72,6 +74,7 @@ impl Stage {
             projection: Projection::Perspective { fov_y_rad: 0.8, near_m: 0.1 },
             size_px: [256, 256],
             options: Params::new(),
+            receivers: Vec::new(),
             expect: Expect::Shadow,
             probes: Vec::new(),
             lights: 0,
@@ -195,19 +198,38 @@ impl Stage {
         self
     }
 
+    /// An option of the case's own.
+    pub(super) fn option(mut self, name: &str, value: ParamValue) -> Self {
+        self.options.insert(name.into(), value);
+        self
+    }
+
+    /// A mesh that casts and that the shadow node names as a receiver.
+    pub(super) fn receiver(mut self, data: MeshData) -> Self {
+        let material = Material::matt("matt", Vec3::new(0.6, 0.6, 0.75));
+        let key = self.scene.add_mesh(mesh(data), material, DAffine3::IDENTITY);
+        self.receivers.push(key);
+        self
+    }
+
     /// These points are lit by the first light.
     pub(super) fn lit(self, points: &[DVec3]) -> Self {
-        self.probes(0, points, true)
+        self.factor(points, [1.0; 3])
     }
 
     /// These points are dark for the first light.
     pub(super) fn dark(self, points: &[DVec3]) -> Self {
-        self.probes(0, points, false)
+        self.factor(points, [0.0; 3])
     }
 
-    /// These points are lit, or dark, for the light of this number.
-    pub(super) fn probes(mut self, light: usize, points: &[DVec3], lit: bool) -> Self {
-        let probe = |point: &DVec3| Probe { p_in_world: *point, light: format!("light{light}"), lit };
+    /// At these points the first light has this factor.
+    pub(super) fn factor(self, points: &[DVec3], factor: [f32; 3]) -> Self {
+        self.probes(0, points, factor)
+    }
+
+    /// At these points the light of this number has this factor.
+    pub(super) fn probes(mut self, light: usize, points: &[DVec3], factor: [f32; 3]) -> Self {
+        let probe = |point: &DVec3| Probe { p_in_world: *point, light: format!("light{light}"), factor };
         self.probes.extend(points.iter().map(probe));
         self
     }
@@ -225,7 +247,9 @@ impl Stage {
         what_breaks: &'static str,
         answers: &'static [(&'static str, Answer)],
     ) -> Case {
-        self.scene.add_shadow("shadows", ShadowNode::new("ShadowVolumeHard"));
+        let node = ShadowNode::new("ShadowVolumeHard");
+        let node = if self.receivers.is_empty() { node } else { node.with_receivers(self.receivers) };
+        self.scene.add_shadow("shadows", node);
         let camera = Camera { name: "main".into(), projection: self.projection };
         self.scene.add_camera(camera.clone(), self.eye, self.target);
         Case {
