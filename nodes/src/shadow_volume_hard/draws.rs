@@ -12,7 +12,7 @@ use shadowgraph_engine::shadow::{LightPlan, hash_of};
 use super::Volume;
 use crate::common::extrusion::End;
 use crate::common::layer_groups::Caster;
-use crate::common::volume::{VolumeIndices, VolumeUniform};
+use crate::common::volume::{VolumeIndices, VolumeUniform, Weights};
 
 /// The buffers of one light's volumes.
 pub(super) struct Buffers {
@@ -27,16 +27,19 @@ pub(super) fn upload(
     light: &mut LightPlan<'_>,
     volumes: &[Volume<'_>],
     groups: &[Vec<GroupMember>],
+    weights: Weights,
 ) -> Buffers {
     let mut keys = Vec::new();
     let mut indices = Vec::new();
     let mut records: Vec<VolumeUniform> = Vec::new();
     let mut first = 0;
     for member in groups.iter().flatten() {
-        let Volume { caster: Caster { index, instance, key, facing }, end, .. } = &volumes[member.caster];
-        let key = hash_of((key, &member.triangles));
+        let Volume { caster: Caster { index, instance, shape, key, facing }, end, .. } =
+            &volumes[member.caster];
+        let key = hash_of((key, &member.triangles, weights));
         let runs = light.cache.get_or_compute("volume indices", key, || {
-            VolumeIndices::new(instance, facing, member.triangles.as_ref().unwrap_or(&facing.cast))
+            let triangles = member.triangles.as_ref().unwrap_or(&facing.cast);
+            VolumeIndices::new(instance, shape, facing, triangles, weights)
         });
         records.push(VolumeUniform::new(instance, *index, light.light().position, *end));
         keys.push(key);
@@ -74,63 +77,82 @@ fn volume_shader(vertex: &'static str) -> Shader {
     Shader { name: "shadow_volume_hard".into(), source: source.into(), vertex: vertex.into(), fragment: None }
 }
 
-/// Which bits of the stencil count.
+/// What counts.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Counter {
+    /// All bits of the stencil.
     AllBits,
+    /// Bits 0 to 6 of the stencil.
     BesideStickyBit,
 }
 
-/// The draws of one volume: the runs its depth test and end demand, neighbours joined.
+/// Neighbouring indices that count alike.
+#[derive(Clone, PartialEq)]
+struct Run {
+    start: u32,
+    end: u32,
+    /// What a face counts that enters a volume; negative when the triangles are wound against the chain.
+    weight: i32,
+}
+
+/// The runs of a volume that its depth test and end demand, neighbours joined.
+fn runs(volume: &Volume<'_>, indices: &VolumeIndices) -> Vec<Run> {
+    let meets_at_infinity = volume.directional && volume.end == End::Infinite;
+    let mut wanted = Vec::new();
+    for side in &indices.sides {
+        wanted.push((&side.near, side.weight as i32));
+        if !meets_at_infinity {
+            wanted.push((&side.far, side.weight as i32));
+        }
+    }
+    if volume.z_fail && !meets_at_infinity {
+        wanted.push((&indices.far_caps, 1));
+    }
+    if volume.z_fail || volume.hidden_caps_count {
+        wanted.push((&indices.front_caps, 1));
+        wanted.push((&indices.front_caps_turned, -1));
+    }
+    wanted.push((&indices.unseen_caps, 1));
+    wanted.push((&indices.unseen_caps_turned, -1));
+    let mut joined: Vec<Run> = Vec::new();
+    for (range, weight) in wanted {
+        match joined.last_mut() {
+            Some(last) if last.end == range.start && last.weight == weight => last.end = range.end,
+            _ => joined.push(Run { start: range.start, end: range.end, weight }),
+        }
+    }
+    joined.retain(|run| run.start < run.end);
+    joined
+}
+
+/// The draws of one volume.
 pub(super) fn volume_draws(
     volume: &Volume<'_>,
     record: u32,
     buffers: &Buffers,
     counter: Counter,
 ) -> Vec<Draw> {
-    let (first, runs) = &buffers.indices[record as usize];
-    let meets_at_infinity = volume.directional && volume.end == End::Infinite;
-    let mut wanted = vec![(&runs.sides_near, false)];
-    if !meets_at_infinity {
-        wanted.push((&runs.sides_far, false));
-    }
-    if volume.z_fail {
-        if !meets_at_infinity {
-            wanted.push((&runs.far_caps, false));
+    let (first, indices) = &buffers.indices[record as usize];
+    let draw = |run: Run| {
+        let mut state = DrawState::new(CompareFunction::Greater, vec![]);
+        state.depth_clamp = volume.clamp_depth;
+        state.stencil = Some(count(volume.z_fail, run.weight < 0, counter));
+        Draw {
+            name: volume.name(),
+            shader: Some(buffers.shader.clone()),
+            state,
+            geometry: Geometry::Indexed {
+                instance: volume.caster.index as u32,
+                indices: buffers.index_slot,
+                first: first + run.start,
+                count: run.end - run.start,
+                record,
+            },
+            bindings: vec![(1, Binding::Storage(buffers.records))],
+            scissor_px: None,
         }
-        wanted.push((&runs.front_caps, false));
-        wanted.push((&runs.front_caps_turned, true));
-    }
-    let mut joined: Vec<(u32, u32, bool)> = Vec::new();
-    for (run, turned) in wanted {
-        match joined.last_mut() {
-            Some((_, end, last_turned)) if *end == run.start && *last_turned == turned => *end = run.end,
-            _ => joined.push((run.start, run.end, turned)),
-        }
-    }
-    joined.retain(|(start, end, _)| start < end);
-    joined
-        .into_iter()
-        .map(|(start, end, turned)| {
-            let mut state = DrawState::new(CompareFunction::Greater, vec![]);
-            state.depth_clamp = volume.clamp_depth;
-            state.stencil = Some(count(volume.z_fail, turned, counter));
-            Draw {
-                name: volume.name(),
-                shader: Some(buffers.shader.clone()),
-                state,
-                geometry: Geometry::Indexed {
-                    instance: volume.caster.index as u32,
-                    indices: buffers.index_slot,
-                    first: first + start,
-                    count: end - start,
-                    record,
-                },
-                bindings: vec![(1, Binding::Storage(buffers.records))],
-                scissor_px: None,
-            }
-        })
-        .collect()
+    };
+    runs(volume, indices).into_iter().map(draw).collect()
 }
 
 /// z-pass: a front face before the surface enters a volume, +1; a back face leaves it, −1. z-fail, counting behind
