@@ -16,7 +16,7 @@
 //!   depth counts as "not in front": no bias anywhere.
 //! - Vertices are extruded along vertex − light computed in two-float precision, so that a light may touch a caster.
 //! - Sides end on one plane behind everything that can receive, where that is exact.
-//! - Counts of any size stay exact in the 8-bit stencil: see [`crate::common::layer_groups`].
+//! - Counts of any size stay exact in the 8-bit stencil: see [`crate::common::layer_groups`]; or in a float target.
 //!
 //! This file says what is chosen and why; `options` how it is asked for, `draws` how it is drawn.
 //!
@@ -25,13 +25,14 @@
 //! a caster than about 10⁻⁵ of its size, but not touching it, sees edges span half circles: single pixels go wrong.
 
 mod draws;
+mod float_counts;
 mod options;
 
 use std::sync::Arc;
 
 use shadowgraph_engine::geometry::{capped, doubled};
 use shadowgraph_engine::math::Aabb;
-use shadowgraph_engine::plan::Pass;
+use shadowgraph_engine::plan::{ColorTarget, DepthTarget, Draw, Pass};
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{Features, LightPlan, Requirements, ShadowError, ShadowTechnique, hash_of};
 
@@ -40,6 +41,7 @@ use crate::common::extrusion::{End, end_plane, scaled_end};
 use crate::common::layer_groups::{Caster, MAX_COUNT, group_by_layers};
 use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
 use draws::{Counter, fold_pass, upload, volume_draws};
+use float_counts::count_in_float;
 use options::TYPE_NAME;
 pub use options::{
     Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, ShadowVolumeHard, Terminator,
@@ -88,7 +90,16 @@ impl ShadowTechnique for ShadowVolumeHard {
     }
 
     fn requirements(&self) -> Requirements {
-        Requirements { required: Features::DEPTH32FLOAT_STENCIL8, optional: Features::DEPTH_CLIP_CONTROL }
+        match self.counter {
+            CounterKind::Auto | CounterKind::Stencil8 => Requirements {
+                required: Features::DEPTH32FLOAT_STENCIL8,
+                optional: Features::DEPTH_CLIP_CONTROL,
+            },
+            CounterKind::Float => Requirements {
+                required: Features::empty(),
+                optional: Features::DEPTH_CLIP_CONTROL | Features::FLOAT32_BLENDABLE,
+            },
+        }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
@@ -106,38 +117,57 @@ impl ShadowTechnique for ShadowVolumeHard {
         if volumes.is_empty() {
             return Ok(());
         }
-        let casters: Vec<Caster<'_>> = volumes.iter().map(|volume| volume.caster.clone()).collect();
-        let groups = group_by_layers(light, &casters);
-        let bound = if groups.folds { MAX_COUNT } else { groups.bound };
-        let (depth, before) = light.count_in_stencil(bound);
-        let buffers = upload(light, &volumes, &groups.groups, Weights::Repeated);
-        let mut first_record = 0;
-        for (index, group) in groups.groups.iter().enumerate() {
-            if groups.folds && (index > 0 || before > 0) {
-                light.pass(fold_pass(light, &depth));
-            }
-            let counter = if groups.folds { Counter::BesideStickyBit } else { Counter::AllBits };
-            let draws = group
-                .iter()
-                .enumerate()
-                .flat_map(|(place, member)| {
-                    volume_draws(&volumes[member.caster], first_record + place as u32, &buffers, counter)
-                })
-                .collect();
-            first_record += group.len() as u32;
-            light.pass(Pass {
-                name: format!("volumes of {}", light.light().name),
-                reason: format!(
-                    "what casts between {} and the view, casters: {}",
-                    light.light().name,
-                    group.len()
-                ),
-                colors: vec![],
-                depth: Some(depth.clone()),
-                draws,
-            });
+        if let Passes::Single { weight } = self.passes {
+            light.darken_once(weight)?;
+        }
+        match self.counter {
+            CounterKind::Auto | CounterKind::Stencil8 => count_in_stencil(light, &volumes),
+            CounterKind::Float => count_in_float(light, &volumes)?,
         }
         Ok(())
+    }
+}
+
+/// Counts in the stencil, in as many groups as it takes.
+fn count_in_stencil(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) {
+    let casters: Vec<Caster<'_>> = volumes.iter().map(|volume| volume.caster.clone()).collect();
+    let groups = group_by_layers(light, &casters);
+    let bound = if groups.folds { MAX_COUNT } else { groups.bound };
+    let (depth, before) = light.count_in_stencil(bound);
+    let buffers = upload(light, volumes, &groups.groups, Weights::Repeated);
+    let mut first_record = 0;
+    for (index, group) in groups.groups.iter().enumerate() {
+        if groups.folds && (index > 0 || before > 0) {
+            light.pass(fold_pass(light, &depth));
+        }
+        let counter = if groups.folds { Counter::BesideStickyBit } else { Counter::AllBits };
+        let draws = group
+            .iter()
+            .enumerate()
+            .flat_map(|(place, member)| {
+                volume_draws(&volumes[member.caster], first_record + place as u32, &buffers, counter)
+            })
+            .collect();
+        first_record += group.len() as u32;
+        light.pass(volumes_pass(light, group.len(), vec![], depth.clone(), draws));
+    }
+}
+
+/// The pass that counts `casters` casters.
+fn volumes_pass(
+    light: &LightPlan<'_>,
+    casters: usize,
+    colors: Vec<ColorTarget>,
+    depth: DepthTarget,
+    draws: Vec<Draw>,
+) -> Pass {
+    let name = &light.light().name;
+    Pass {
+        name: format!("volumes of {name}"),
+        reason: format!("what casts between {name} and the view, casters: {casters}"),
+        colors,
+        depth: Some(depth),
+        draws,
     }
 }
 
@@ -177,14 +207,21 @@ impl ShadowVolumeHard {
     fn volumes<'a>(&self, light: &mut LightPlan<'a>) -> Result<Vec<Volume<'a>>, ShadowError> {
         let (position, view) = (light.light().position, light.view);
         let mut volumes = Vec::new();
-        let mut left_out = Vec::new();
+        let (mut left_out, mut keep_terminator) = (Vec::new(), Vec::new());
         for (index, instance) in light.casters() {
             if let Err(reason) = light.may_shadow(&instance.world_bounds) {
                 left_out.push((instance, reason));
                 continue;
             }
             let shape = self.cast_shape(light, instance)?;
-            let half = self.half(light, instance, &shape)?;
+            let mut half = self.half(light, instance, &shape)?;
+            if self.terminator == Terminator::Smooth {
+                if half == Half::Lit && matches!(shape, CastShape::Own(_)) {
+                    half = Half::Unlit;
+                } else {
+                    keep_terminator.push((instance, KEEPS_TERMINATOR));
+                }
+            }
             let position_bits = position.to_array().map(f64::to_bits);
             let key = hash_of((instance.pose_key, position_bits, half, self.closure));
             let facing = light
@@ -193,6 +230,9 @@ impl ShadowVolumeHard {
             if facing.cast.is_empty() {
                 left_out.push((instance, "every triangle is edge-on to the light"));
                 continue;
+            }
+            if half == Half::Unlit {
+                light.smooth_terminator(index)?;
             }
             let z_fail = self.counts_from_infinity(light, instance)?;
             let perspective = view.frustum.eye.w > 0.0;
@@ -214,6 +254,7 @@ impl ShadowVolumeHard {
             });
         }
         note_left_out(light, &left_out);
+        note_left_out(light, &keep_terminator);
         Ok(volumes)
     }
 
@@ -320,6 +361,9 @@ impl ShadowVolumeHard {
         }
     }
 }
+
+/// Why a caster's terminator stays where its triangles turn away.
+const KEEPS_TERMINATOR: &str = "terminator=smooth leaves it as it is: it does not cast as a solid (open, or light or eye within its bounds)";
 
 /// One note for each reason, not for each caster.
 fn note_left_out(light: &mut LightPlan<'_>, left_out: &[(&Instance, &'static str)]) {

@@ -63,3 +63,33 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) volume_ind
     let end_in_view = view_from_local(volume.instance, p) + away_in_view * stretch;
     return Varyings(behind(frame.clip_from_view * vec4f(end_in_view, 1.0)));
 }
+
+// What a face counts in a float target: +1 where the view enters a volume, −1 where it leaves it. How much it weighs,
+// the blend constant says.
+@fragment
+fn count(@builtin(front_facing) entering: bool) -> @location(0) vec4f {
+    return vec4f(select(-1.0, 1.0, entering));
+}
+
+// The same of front faces only.
+@fragment
+fn count_front(@builtin(front_facing) entering: bool) -> @location(0) vec4f {
+    return vec4f(select(0.0, 1.0, entering));
+}
+
+// The same of back faces only.
+@fragment
+fn count_back(@builtin(front_facing) entering: bool) -> @location(0) vec4f {
+    return vec4f(select(-1.0, 0.0, entering));
+}
+
+@group(1) @binding(2) var counts: texture_2d<f32>;
+
+// Darkness wherever the sum is not zero.
+@fragment
+fn darken_counted(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    if textureLoad(counts, vec2u(position.xy), 0).x == 0.0 {
+        discard;
+    }
+    return vec4f(0.0);
+}
