@@ -7,5 +7,8 @@
 mod common;
 
 mod closure;
+mod float;
+mod single;
 mod single_sided;
 mod stage;
+mod terminator;

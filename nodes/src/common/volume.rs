@@ -135,6 +135,8 @@ pub struct CasterFacing {
     pub signs: Vec<i8>,
     /// The triangles with a sign other than 0.
     pub cast: Vec<u32>,
+    /// Which triangles were to cast.
+    pub half: Half,
 }
 
 impl CasterFacing {
@@ -146,7 +148,7 @@ impl CasterFacing {
         let signs = facing_signs(&p_in_world, shape.topology().triangles(), light);
         let signs = shape.signs_of(instance, signs, half);
         let cast = (0..signs.len() as u32).filter(|triangle| signs[*triangle as usize] != 0).collect();
-        Self { p_in_world, signs, cast }
+        Self { p_in_world, signs, cast, half }
     }
 }
 
@@ -168,9 +170,12 @@ pub struct SideRun {
     pub near: Range<u32>,
     /// Second triangle (q, p∞, q∞) of every side.
     pub far: Range<u32>,
+    /// Both triangles of every side once more, with q and p a little before the caster; empty unless [`Half::Unlit`]
+    /// casts.
+    pub ahead: Range<u32>,
 }
 
-/// Indices of a volume, each 4·vertex + 2·side + far, in runs that are drawn as the view demands.
+/// Indices of a volume, each 4·vertex + kind of corner (see shadow_volume_hard.wgsl), in runs that are drawn as the view demands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VolumeIndices {
     /// All runs, one after the other.
@@ -224,7 +229,12 @@ impl VolumeIndices {
                 run(&mut |i| of_weight.iter().for_each(|&[p, q]| i.extend([near(q), near(p), far(p)])));
             let far_run =
                 run(&mut |i| of_weight.iter().for_each(|&[p, q]| i.extend([near(q), far(p), far(q)])));
-            sides.push(SideRun { weight, near: near_run, far: far_run });
+            let ahead_run = run(&mut |i| {
+                let of_weight = if facing.half == Half::Unlit { &of_weight[..] } else { &[] };
+                of_weight.iter().for_each(|&[p, q]| i.extend([ahead(q), ahead(p), far(p)]));
+                of_weight.iter().for_each(|&[p, q]| i.extend([ahead(q), far(p), far(q)]));
+            });
+            sides.push(SideRun { weight, near: near_run, far: far_run, ahead: ahead_run });
         }
         let far_caps = run(&mut |i| {
             for &triangle in &chain.caps_front {
@@ -251,7 +261,17 @@ impl VolumeIndices {
     }
 }
 
-/// A corner of a side where the caster is.
+/// A corner at the very depth of the visible surface.
+fn cap(vertex: u32) -> u32 {
+    vertex << 2
+}
+
+/// A corner of a side where the caster is, a little before it.
+fn ahead(vertex: u32) -> u32 {
+    vertex << 2 | 1
+}
+
+/// A corner of a side where the caster is, as far behind it as sides are.
 fn near(vertex: u32) -> u32 {
     vertex << 2 | 2
 }
@@ -272,7 +292,7 @@ impl FrontCaps {
     fn new(instance: &Instance, shape: &CastShape<'_>, chain: &Chain) -> Self {
         let own_count = instance.mesh.triangle_count() as u32;
         // The mesh's own indices, as the visible surface has them.
-        let own = |triangle: u32| instance.mesh.triangle(triangle as usize).map(|vertex| vertex << 2);
+        let own = |triangle: u32| instance.mesh.triangle(triangle as usize).map(cap);
         let mut caps = Self::default();
         for (turned, list) in [&chain.caps_front, &chain.caps_back].into_iter().enumerate() {
             for &triangle in list {

@@ -133,9 +133,17 @@ fn runs(volume: &Volume<'_>, indices: &VolumeIndices) -> Vec<Run> {
     let mut wanted = Vec::new();
     for side in &indices.sides {
         let how = How::both(side.weight as i32);
+        // What is seen of a far side lies right behind the sides through which the view enters: they begin before it. (A
+        // side taken to be before what it touches only adds to a count there: it cannot cancel another's, and a move of
+        // the receiver by the ambiguity band's ulps would put it in the volume.)
+        let unlit = volume.half == Half::Unlit;
+        let how = if unlit { How { faces: Faces::Leaving, ..how } } else { how };
         wanted.push((&side.near, how));
         if !meets_at_infinity {
             wanted.push((&side.far, how));
+        }
+        if unlit {
+            wanted.push((&side.ahead, How { faces: Faces::Entering, ..how }));
         }
     }
     if volume.z_fail && !meets_at_infinity {
