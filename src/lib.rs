@@ -42,5 +42,7 @@ pub mod prelude {
     pub use shadowgraph_engine::scene::{
         Camera, Content, Light, Material, MeshNode, PosedCamera, Scene, Scope, ShadowNode,
     };
-    pub use shadowgraph_nodes::{self, DepthTest, Extrusion, GeometryMode, ShadowVolumeHard};
+    pub use shadowgraph_nodes::{
+        self, Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, ShadowVolumeHard, Terminator,
+    };
 }

@@ -11,7 +11,11 @@ const EXCLUSIVE: &[(&str, [&str; 2])] = &[("surface_factor", ["COUNTS", "VISIBIL
 const USED: &[(&str, &[&str], &[&str])] = &[
     ("nothing", &[], &["nothing"]),
     ("resolve_mask", &[], &["fullscreen_vertex", "mark", "darken"]),
-    ("shadow_volume_hard", &[], &["vertex", "fullscreen_vertex"]),
+    (
+        "shadow_volume_hard",
+        &[],
+        &["vertex", "fullscreen_vertex", "count", "count_front", "count_back", "darken_counted"],
+    ),
     ("surface_depth", &[], &["vertex"]),
     ("surface_factor", &["COUNTS", "VISIBILITY"], &["vertex", "factor"]),
     ("surface_measure", &[], &["vertex", "visible_triangle"]),
@@ -30,6 +34,7 @@ const SHADE_FLAGS: &[&str] = &[
     "OCCLUSION_TEXTURE",
     "ONE_CHANNEL",
     "ONE_LIGHT",
+    "SMOOTH_TERMINATOR",
     "UNLIT",
     "VERTEX_COLOR",
     "VISIBILITY",

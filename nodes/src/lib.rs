@@ -7,7 +7,9 @@ mod shadow_volume_hard;
 
 use shadowgraph_engine::shadow::Catalog;
 
-pub use shadow_volume_hard::{DepthTest, Extrusion, GeometryMode, ShadowVolumeHard};
+pub use shadow_volume_hard::{
+    Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, ShadowVolumeHard, Terminator,
+};
 
 /// A catalog with every technique of this crate.
 pub fn catalog() -> Catalog {

@@ -16,7 +16,7 @@
 //!   depth counts as "not in front": no bias anywhere.
 //! - Vertices are extruded along vertex − light computed in two-float precision, so that a light may touch a caster.
 //! - Sides end on one plane behind everything that can receive, where that is exact.
-//! - Counts of any size stay exact in the 8-bit stencil: see [`crate::common::layer_groups`].
+//! - Counts of any size stay exact in the 8-bit stencil: see [`crate::common::layer_groups`]; or in a float target.
 //!
 //! This file says what is chosen and why; `options` how it is asked for, `draws` how it is drawn.
 //!
@@ -25,20 +25,47 @@
 //! a caster than about 10⁻⁵ of its size, but not touching it, sees edges span half circles: single pixels go wrong.
 
 mod draws;
+mod float_counts;
 mod options;
 
+use std::sync::Arc;
+
+use shadowgraph_engine::geometry::{capped, doubled};
 use shadowgraph_engine::math::Aabb;
-use shadowgraph_engine::plan::Pass;
+use shadowgraph_engine::plan::{ColorTarget, DepthTarget, Draw, Pass};
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{Features, LightPlan, Requirements, ShadowError, ShadowTechnique, hash_of};
 
 use crate::common::culling::near_plane_may_be_shadowed;
 use crate::common::extrusion::{End, end_plane, scaled_end};
 use crate::common::layer_groups::{Caster, MAX_COUNT, group_by_layers};
-use crate::common::volume::CasterFacing;
+use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
 use draws::{Counter, fold_pass, upload, volume_draws};
+use float_counts::count_in_float;
 use options::TYPE_NAME;
-pub use options::{DepthTest, Extrusion, GeometryMode, ShadowVolumeHard};
+pub use options::{
+    Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, ShadowVolumeHard, Terminator,
+};
+
+/// The errors that are left by design, in words that can be put together.
+macro_rules! rounding {
+    () => {
+        "rasterisation: pixels whose centre is within 1/256 pixel of a shadow edge; and lights nearer to a caster than \
+         1e-5 of its size without touching it"
+    };
+}
+macro_rules! caps {
+    () => {
+        "closure=cap: false shadows where light shines through an opening: on what lies inside it, and behind it for a \
+         light inside"
+    };
+}
+macro_rules! one_darkening {
+    () => {
+        "passes=single, in pictures: darkened once where shadows of several lights cross, and ambient light and \
+         highlights are darkened alike (factors are exact)"
+    };
+}
 
 impl ShadowTechnique for ShadowVolumeHard {
     fn type_name(&self) -> &'static str {
@@ -50,12 +77,29 @@ impl ShadowTechnique for ShadowVolumeHard {
     }
 
     fn known_error(&self) -> &'static str {
-        "rasterisation: pixels whose centre is within 1/256 pixel of a shadow edge; and lights nearer to a caster than \
-         1e-5 of its size without touching it"
+        match (self.passes, self.closure) {
+            (Passes::Multi, Closure::None | Closure::Backfaces) => rounding!(),
+            (Passes::Multi, Closure::Cap) => concat!(caps!(), "; and ", rounding!()),
+            (Passes::Single { .. }, Closure::None | Closure::Backfaces) => {
+                concat!(one_darkening!(), "; and ", rounding!())
+            }
+            (Passes::Single { .. }, Closure::Cap) => {
+                concat!(one_darkening!(), "; and ", caps!(), "; and ", rounding!())
+            }
+        }
     }
 
     fn requirements(&self) -> Requirements {
-        Requirements { required: Features::DEPTH32FLOAT_STENCIL8, optional: Features::DEPTH_CLIP_CONTROL }
+        match self.counter {
+            CounterKind::Auto | CounterKind::Stencil8 => Requirements {
+                required: Features::DEPTH32FLOAT_STENCIL8,
+                optional: Features::DEPTH_CLIP_CONTROL,
+            },
+            CounterKind::Float => Requirements {
+                required: Features::empty(),
+                optional: Features::DEPTH_CLIP_CONTROL | Features::FLOAT32_BLENDABLE,
+            },
+        }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
@@ -73,38 +117,57 @@ impl ShadowTechnique for ShadowVolumeHard {
         if volumes.is_empty() {
             return Ok(());
         }
-        let casters: Vec<Caster<'_>> = volumes.iter().map(|volume| volume.caster.clone()).collect();
-        let groups = group_by_layers(light, &casters);
-        let bound = if groups.folds { MAX_COUNT } else { groups.bound };
-        let (depth, before) = light.count_in_stencil(bound);
-        let buffers = upload(light, &volumes, &groups.groups);
-        let mut first_record = 0;
-        for (index, group) in groups.groups.iter().enumerate() {
-            if groups.folds && (index > 0 || before > 0) {
-                light.pass(fold_pass(light, &depth));
-            }
-            let counter = if groups.folds { Counter::BesideStickyBit } else { Counter::AllBits };
-            let draws = group
-                .iter()
-                .enumerate()
-                .flat_map(|(place, member)| {
-                    volume_draws(&volumes[member.caster], first_record + place as u32, &buffers, counter)
-                })
-                .collect();
-            first_record += group.len() as u32;
-            light.pass(Pass {
-                name: format!("volumes of {}", light.light().name),
-                reason: format!(
-                    "what casts between {} and the view, casters: {}",
-                    light.light().name,
-                    group.len()
-                ),
-                colors: vec![],
-                depth: Some(depth.clone()),
-                draws,
-            });
+        if let Passes::Single { weight } = self.passes {
+            light.darken_once(weight)?;
+        }
+        match self.counter {
+            CounterKind::Auto | CounterKind::Stencil8 => count_in_stencil(light, &volumes),
+            CounterKind::Float => count_in_float(light, &volumes)?,
         }
         Ok(())
+    }
+}
+
+/// Counts in the stencil, in as many groups as it takes.
+fn count_in_stencil(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) {
+    let casters: Vec<Caster<'_>> = volumes.iter().map(|volume| volume.caster.clone()).collect();
+    let groups = group_by_layers(light, &casters);
+    let bound = if groups.folds { MAX_COUNT } else { groups.bound };
+    let (depth, before) = light.count_in_stencil(bound);
+    let buffers = upload(light, volumes, &groups.groups, Weights::Repeated);
+    let mut first_record = 0;
+    for (index, group) in groups.groups.iter().enumerate() {
+        if groups.folds && (index > 0 || before > 0) {
+            light.pass(fold_pass(light, &depth));
+        }
+        let counter = if groups.folds { Counter::BesideStickyBit } else { Counter::AllBits };
+        let draws = group
+            .iter()
+            .enumerate()
+            .flat_map(|(place, member)| {
+                volume_draws(&volumes[member.caster], first_record + place as u32, &buffers, counter)
+            })
+            .collect();
+        first_record += group.len() as u32;
+        light.pass(volumes_pass(light, group.len(), vec![], depth.clone(), draws));
+    }
+}
+
+/// The pass that counts `casters` casters.
+fn volumes_pass(
+    light: &LightPlan<'_>,
+    casters: usize,
+    colors: Vec<ColorTarget>,
+    depth: DepthTarget,
+    draws: Vec<Draw>,
+) -> Pass {
+    let name = &light.light().name;
+    Pass {
+        name: format!("volumes of {name}"),
+        reason: format!("what casts between {name} and the view, casters: {casters}"),
+        colors,
+        depth: Some(depth),
+        draws,
     }
 }
 
@@ -112,16 +175,23 @@ impl ShadowTechnique for ShadowVolumeHard {
 struct Volume<'a> {
     caster: Caster<'a>,
     z_fail: bool,
+    /// Whether front caps may lie before what is seen. Where all of a caster is in the depth buffer none does, and z-pass
+    /// goes without them; but of a single-sided surface only one side is.
+    hidden_caps_count: bool,
     end: End,
     clamp_depth: bool,
     directional: bool,
-    closed: bool,
+    half: Half,
 }
 
 impl Volume<'_> {
     /// The caster's name and what was chosen for it.
     fn name(&self) -> String {
-        let mode = if self.closed { "closed" } else { "open" };
+        let mode = match self.half {
+            Half::Both => "open",
+            Half::Lit => "closed",
+            Half::Unlit => "closed from its far side",
+        };
         let depth_test = if self.z_fail { "z-fail" } else { "z-pass" };
         let end = match self.end {
             End::Infinite => "to infinity",
@@ -137,19 +207,32 @@ impl ShadowVolumeHard {
     fn volumes<'a>(&self, light: &mut LightPlan<'a>) -> Result<Vec<Volume<'a>>, ShadowError> {
         let (position, view) = (light.light().position, light.view);
         let mut volumes = Vec::new();
-        let mut left_out = Vec::new();
+        let (mut left_out, mut keep_terminator) = (Vec::new(), Vec::new());
         for (index, instance) in light.casters() {
             if let Err(reason) = light.may_shadow(&instance.world_bounds) {
                 left_out.push((instance, reason));
                 continue;
             }
-            let closed = self.casts_closed(light, instance)?;
-            let key = hash_of((instance.pose_key, position.to_array().map(f64::to_bits), closed));
-            let facing =
-                light.cache.get_or_compute("facing", key, || CasterFacing::new(instance, position, closed));
+            let shape = self.cast_shape(light, instance)?;
+            let mut half = self.half(light, instance, &shape)?;
+            if self.terminator == Terminator::Smooth {
+                if half == Half::Lit && matches!(shape, CastShape::Own(_)) {
+                    half = Half::Unlit;
+                } else {
+                    keep_terminator.push((instance, KEEPS_TERMINATOR));
+                }
+            }
+            let position_bits = position.to_array().map(f64::to_bits);
+            let key = hash_of((instance.pose_key, position_bits, half, self.closure));
+            let facing = light
+                .cache
+                .get_or_compute("facing", key, || CasterFacing::new(instance, &shape, position, half));
             if facing.cast.is_empty() {
                 left_out.push((instance, "every triangle is edge-on to the light"));
                 continue;
+            }
+            if half == Half::Unlit {
+                light.smooth_terminator(index)?;
             }
             let z_fail = self.counts_from_infinity(light, instance)?;
             let perspective = view.frustum.eye.w > 0.0;
@@ -157,28 +240,71 @@ impl ShadowVolumeHard {
                 let clamp = Features::DEPTH_CLIP_CONTROL;
                 light.require(clamp, "counting behind surfaces seen by an orthographic camera")?;
             }
+            // From outside, the front of a solid hides the back that is not drawn.
+            let hides_itself = half != Half::Both && matches!(shape, CastShape::Own(_));
+            let single_sided = instance.materials.iter().any(|material| !material.double_sided);
             volumes.push(Volume {
-                caster: Caster { index, instance, key, facing },
+                hidden_caps_count: single_sided && !hides_itself,
+                caster: Caster { index, instance, shape, key, facing },
                 z_fail,
                 end: self.end(light, instance)?,
                 clamp_depth: z_fail && !perspective,
                 directional: position.w == 0.0,
-                closed,
+                half,
             });
         }
         note_left_out(light, &left_out);
+        note_left_out(light, &keep_terminator);
         Ok(volumes)
     }
 
-    /// Whether the caster casts with its light-facing half only.
-    fn casts_closed(&self, light: &LightPlan<'_>, instance: &Instance) -> Result<bool, ShadowError> {
-        if self.geometry == GeometryMode::Open {
-            return Ok(false);
+    /// The triangles the caster casts with: its own, and those that close it where it is open.
+    fn cast_shape<'a>(
+        &self,
+        light: &mut LightPlan<'a>,
+        instance: &'a Instance,
+    ) -> Result<CastShape<'a>, ShadowError> {
+        let mesh = &instance.mesh;
+        let own = mesh.topology();
+        if own.closedness().unbalanced_edges == 0 {
+            return Ok(CastShape::Own(own));
         }
-        let topology = instance.mesh.topology();
+        match self.closure {
+            Closure::None => Ok(CastShape::Own(own)),
+            Closure::Backfaces => {
+                Ok(CastShape::Doubled(light.cache.get_or_compute("doubled", mesh.id(), || doubled(mesh))))
+            }
+            Closure::Cap => {
+                let result = light.cache.get_or_compute("capped", mesh.id(), || capped(mesh).map(Arc::new));
+                let capped = Result::as_ref(&result).map_err(|reason| {
+                    let name = &instance.name;
+                    light.unsupported(format!(
+                        "closure=cap on '{name}': {reason} (accepted for it: none, backfaces)"
+                    ))
+                })?;
+                Ok(CastShape::Capped(Arc::clone(capped)))
+            }
+        }
+    }
+
+    /// Which of its triangles the caster casts with.
+    fn half(
+        &self,
+        light: &LightPlan<'_>,
+        instance: &Instance,
+        shape: &CastShape<'_>,
+    ) -> Result<Half, ShadowError> {
+        if self.geometry == GeometryMode::Open {
+            return Ok(Half::Both);
+        }
+        // A sheet of faces and their reverses has no inside in which light or eye could be.
+        if matches!(shape, CastShape::Doubled(_)) {
+            return Ok(Half::Lit);
+        }
+        let topology = shape.topology();
         if topology.orientation(&instance.world_from_local).is_none() {
             if self.geometry == GeometryMode::Auto {
-                return Ok(false);
+                return Ok(Half::Both);
             }
             let c = topology.closedness();
             return Err(light.unsupported(format!(
@@ -190,12 +316,13 @@ impl ShadowVolumeHard {
         let local_from_world = instance.world_from_local.inverse();
         let position = light.light().position;
         if position.w > 0.0 && topology.may_enclose(local_from_world.transform_point3(position.truncate())) {
-            return Ok(false);
+            return Ok(Half::Both);
         }
         let near = light.view.frustum.near_corners.map(|corner| local_from_world.transform_point3(corner));
         let eye = light.view.camera.world_from_view.translation;
         let near = Aabb::from_points(near.into_iter().chain([local_from_world.transform_point3(eye)]));
-        Ok(!topology.components().iter().any(|component| component.bounds.overlaps(&near)))
+        let inside = topology.components().iter().any(|component| component.bounds.overlaps(&near));
+        Ok(if inside { Half::Both } else { Half::Lit })
     }
 
     /// Whether the caster is counted by z-fail.
@@ -234,6 +361,9 @@ impl ShadowVolumeHard {
         }
     }
 }
+
+/// Why a caster's terminator stays where its triangles turn away.
+const KEEPS_TERMINATOR: &str = "terminator=smooth leaves it as it is: it does not cast as a solid (open, or light or eye within its bounds)";
 
 /// One note for each reason, not for each caster.
 fn note_left_out(light: &mut LightPlan<'_>, left_out: &[(&Instance, &'static str)]) {

@@ -1,6 +1,6 @@
 // Hard shadow volumes: sides, front caps and far caps of one caster for one light, drawn from the caster's own
-// vertices. Each index carries a vertex, whether its extruded twin is meant, and whether it is a corner of a side:
-// index = 4·vertex + 2·side + far.
+// vertices. Each index is 4·vertex + what is meant: 0 a corner of a cap, 2 a near corner of a side, 1 such a corner a
+// little before the surface, 3 the vertex's extruded twin.
 
 #import common/frame
 #import common/positions
@@ -39,6 +39,14 @@ fn behind(clip: vec4f) -> vec4f {
     return vec4f(clip.xy, clip.z - depth_unit * BEHIND, clip.w);
 }
 
+// Four roundings before the surface: for sides that begin at a visible triangle which is not to be behind them by chance.
+const AHEAD: f32 = 2.384185791015625e-7;
+
+fn ahead(clip: vec4f) -> vec4f {
+    let depth_unit = select(clip.w, clip.z, frame.eye_w > 0.0);
+    return vec4f(clip.xy, clip.z + depth_unit * AHEAD, clip.w);
+}
+
 @vertex
 fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) volume_index: u32) -> Varyings {
     let volume = volumes[volume_index];
@@ -47,7 +55,10 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) volume_ind
         // A cap: the very depth of the visible surface.
         return Varyings(clip_from_local(volume.instance, p));
     }
-    if (index & 1u) == 0u {
+    if (index & 3u) == 1u {
+        return Varyings(ahead(clip_from_local(volume.instance, p)));
+    }
+    if (index & 3u) == 2u {
         return Varyings(behind(clip_from_local(volume.instance, p)));
     }
     // The direction in which the vertex is extruded: w·v − l.
@@ -62,4 +73,34 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) volume_ind
     }
     let end_in_view = view_from_local(volume.instance, p) + away_in_view * stretch;
     return Varyings(behind(frame.clip_from_view * vec4f(end_in_view, 1.0)));
+}
+
+// What a face counts in a float target: +1 where the view enters a volume, −1 where it leaves it. How much it weighs,
+// the blend constant says.
+@fragment
+fn count(@builtin(front_facing) entering: bool) -> @location(0) vec4f {
+    return vec4f(select(-1.0, 1.0, entering));
+}
+
+// The same of front faces only.
+@fragment
+fn count_front(@builtin(front_facing) entering: bool) -> @location(0) vec4f {
+    return vec4f(select(0.0, 1.0, entering));
+}
+
+// The same of back faces only.
+@fragment
+fn count_back(@builtin(front_facing) entering: bool) -> @location(0) vec4f {
+    return vec4f(select(-1.0, 0.0, entering));
+}
+
+@group(1) @binding(2) var counts: texture_2d<f32>;
+
+// Darkness wherever the sum is not zero.
+@fragment
+fn darken_counted(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    if textureLoad(counts, vec2u(position.xy), 0).x == 0.0 {
+        discard;
+    }
+    return vec4f(0.0);
 }

@@ -50,6 +50,9 @@ struct Varyings {
 #if VERTEX_COLOR
     @location(4) color: vec4f,
 #endif
+#if SMOOTH_TERMINATOR
+    @location(5) @interpolate(flat, first) smooth_terminators: u32,
+#endif
 }
 
 @vertex
@@ -70,6 +73,9 @@ fn vertex(
     out.uv = uv;
 #if VERTEX_COLOR
     out.color = color;
+#endif
+#if SMOOTH_TERMINATOR
+    out.smooth_terminators = i.smooth_terminators;
 #endif
     return out;
 }
@@ -166,11 +172,21 @@ fn reflect_light(s: Surface, l: vec3f) -> vec3f {
     return ((1.0 - fresnel) * s.diffuse * 0.31830989 + specular) * n_l;
 }
 
+// Whether normals alone say where the night of light number `light` begins.
+fn ends_smooth(in: Varyings, light: u32) -> bool {
+#if SMOOTH_TERMINATOR
+    return light < 32u && (in.smooth_terminators >> (light & 31u) & 1u) == 1u;
+#else
+    return false;
+#endif
+}
+
 // What `light` adds to the outgoing radiance.
-fn lit_by(light: Light, s: Surface, pixel: vec2u, receives: u32) -> vec3f {
+fn lit_by(light: Light, s: Surface, pixel: vec2u, receives: u32, smooth_end: bool) -> vec3f {
     let incoming = illumination(light, s.p);
-    // Light from behind the surface proper lights nothing, whatever a smooth normal says.
-    if dot(s.geometric, incoming.towards) <= 0.0 || all(incoming.irradiance == vec3f(0.0)) {
+    // Light from behind the surface proper lights nothing, whatever a smooth normal says, unless it was asked for.
+    let behind = !smooth_end && dot(s.geometric, incoming.towards) <= 0.0;
+    if behind || all(incoming.irradiance == vec3f(0.0)) {
         return vec3f(0.0);
     }
     let factor = select(vec3f(1.0), shadow_factor(light, pixel), receives == 1u);
@@ -243,10 +259,10 @@ fn shade(in: Varyings) -> vec4f {
 
     let pixel = vec2u(in.clip.xy);
 #if ONE_LIGHT
-    color += lit_by(lights[0], s, pixel, in.receives);
+    color += lit_by(lights[0], s, pixel, in.receives, ends_smooth(in, 0u));
 #else
     for (var i = 0u; i < frame.light_count; i++) {
-        color += lit_by(lights[i], s, pixel, in.receives);
+        color += lit_by(lights[i], s, pixel, in.receives, ends_smooth(in, i));
     }
 #endif
     color += emitted * frame.exposure;

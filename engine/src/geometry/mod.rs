@@ -2,6 +2,7 @@
 //! that bounds a shadow volume, and how many layers of it one light ray can meet.
 
 mod chain;
+mod closure;
 mod components;
 mod layer_groups;
 mod layers;
@@ -10,6 +11,7 @@ pub mod shapes;
 mod topology;
 
 pub use chain::{Chain, facing_signs, restricted_signs};
+pub use closure::{Capped, LoopTooLong, MAX_CAPPED_EDGES, capped, doubled, open_loops};
 pub use components::{Component, Orientation};
 pub use layer_groups::{CastTriangles, GroupMember, layer_groups, max_layers};
 pub use layers::LayerGrid;

@@ -12,8 +12,9 @@ use super::meshes::Meshes;
 use super::pipelines::Pipelines;
 use super::readback::{Pending, read_buffer};
 use super::{FrameUniform, Gpu, GpuError, InstanceUniform, LightUniform, Pixels};
-use crate::plan::{BufferUsage, FramePlan, Geometry, Shader, SlotId, SlotKind, SurfaceStyle};
+use crate::plan::{BufferUsage, FramePlan, Geometry, LightPlanned, Shader, SlotId, SlotKind, SurfaceStyle};
 use crate::scene::{Posed, PosedCamera};
+use crate::shadow::MAX_SMOOTH_LIGHTS;
 
 mod attachments;
 mod encode;
@@ -307,8 +308,11 @@ impl Executor {
         let view_from_world = camera.world_from_view.inverse();
         let mut first_triangle = 0;
         let mut instances = Vec::with_capacity(posed.instances.len());
-        for instance in &posed.instances {
-            instances.push(InstanceUniform::new(instance, &view_from_world, first_triangle));
+        for (index, instance) in posed.instances.iter().enumerate() {
+            let ends_smooth = |light: &LightPlanned| light.smooth_terminators.contains(&(index as u32));
+            let smooth = plan.lights.iter().zip(0..MAX_SMOOTH_LIGHTS).filter(|(light, _)| ends_smooth(light));
+            let smooth = smooth.fold(0, |bits, (_, light)| bits | 1 << light);
+            instances.push(InstanceUniform::new(instance, &view_from_world, first_triangle, smooth));
             first_triangle += instance.mesh.triangle_count() as u32;
         }
         let mut lights: Vec<_> = posed

@@ -35,8 +35,8 @@ pub struct InstanceUniform {
     pub normal_z: [f32; 4],
     pub flags: u32,
     pub first_triangle: u32,
+    pub smooth_terminators: u32,
     pub pad_0: u32,
-    pub pad_1: u32,
 }
 
 /// `struct Light` of common/lights.wgsl.
@@ -72,7 +72,7 @@ macro_rules! layout {
 pub(super) use layout;
 
 layout!(FrameUniform: clip_from_view, view_from_clip, size_px, exposure, light_count, ambient, tone_map, up_in_view, eye_w);
-layout!(InstanceUniform: row_x, row_y, row_z, normal_x, normal_y, normal_z, flags, first_triangle, pad_0, pad_1);
+layout!(InstanceUniform: row_x, row_y, row_z, normal_x, normal_y, normal_z, flags, first_triangle, smooth_terminators, pad_0);
 layout!(LightUniform: position, radiance, inverse_range, direction, cone_scale, cone_offset, factor_kind, factor_index, pad_0);
 
 impl FrameUniform {
@@ -103,7 +103,12 @@ impl FrameUniform {
 }
 
 impl InstanceUniform {
-    pub(crate) fn new(instance: &Instance, view_from_world: &DAffine3, first_triangle: u32) -> Self {
+    pub(crate) fn new(
+        instance: &Instance,
+        view_from_world: &DAffine3,
+        first_triangle: u32,
+        smooth_terminators: u32,
+    ) -> Self {
         let view_from_gpu = *view_from_world * instance.world_from_shader();
         let rows = view_from_gpu.matrix3.transpose();
         let row = |axis: usize| {
@@ -121,8 +126,8 @@ impl InstanceUniform {
             normal_z: normal_row(2),
             flags: u32::from(instance.shadow.receives) | u32::from(instance.shadow.casts) << 1,
             first_triangle,
+            smooth_terminators,
             pad_0: 0,
-            pad_1: 0,
         }
     }
 }
@@ -157,7 +162,7 @@ impl LightUniform {
             _ => (0.0, 1.0),
         };
         let (factor_kind, factor_index) = match factor {
-            FactorAt::Lit => (0, 0),
+            FactorAt::Lit | FactorAt::Darkening => (0, 0),
             FactorAt::Counts => (1, 0),
             FactorAt::MaskBit(bit) => (2, bit),
             FactorAt::Visibility(layer) => (3, layer),

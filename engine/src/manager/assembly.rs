@@ -22,6 +22,9 @@ pub(super) struct Segment {
     pub(super) visibility: Option<Channels>,
     pub(super) techniques: Vec<String>,
     pub(super) claimed: bool,
+    /// Whether the light is shaded as if unshadowed and its counts go into the one darkening.
+    pub(super) darkens: bool,
+    pub(super) smooth_terminators: Vec<u32>,
 }
 
 /// Everything that is known when the pieces of the frame are put together.
@@ -37,10 +40,10 @@ pub(super) struct Assembly<'a> {
 }
 
 impl Assembly<'_> {
-    /// Puts prepass, segments, resolves and shading together.
-    pub(super) fn assemble(mut self, segments: Vec<Segment>) -> FramePlan {
+    /// Puts prepass, segments, resolves and shading together, and the one darkening of `weight` after them.
+    pub(super) fn assemble(mut self, segments: Vec<Segment>, weight: Option<f64>) -> FramePlan {
         let counted = segments.iter().filter(|s| s.counts && s.visibility.is_none()).count() as u32;
-        let any_counts = segments.iter().any(|s| s.counts);
+        let any_counts = segments.iter().any(|s| s.counts || s.darkens);
         let shadowed = segments.iter().any(|s| !s.passes.is_empty());
         let layers = segments.iter().filter(|s| s.visibility.is_some()).count() as u32;
         self.size_visibility(layers, segments.iter().filter_map(|s| s.visibility).max());
@@ -48,7 +51,7 @@ impl Assembly<'_> {
             self.b.slots[self.depth.0].reason = "hidden surfaces, and the counts of shadow volumes".into();
         }
         // One light with counts is shaded straight from the stencil, if no other light counts in it.
-        let others_count = segments.iter().any(|s| s.counts && s.visibility.is_some());
+        let others_count = segments.iter().any(|s| (s.counts && s.visibility.is_some()) || s.darkens);
         let mask = (counted > 1 || (counted == 1 && others_count)).then(|| {
             let format = match counted {
                 0..=8 => TextureFormat::R8Unorm,
@@ -67,28 +70,47 @@ impl Assembly<'_> {
         let visible_triangles = self.request.factors.then(|| self.visible_triangles());
         let (mut bit, mut layer) = (0, 0);
         let mut lights = Vec::new();
-        for (index, segment) in segments.into_iter().enumerate() {
+        let mut darkening = Vec::new();
+        for (index, mut segment) in segments.into_iter().enumerate() {
             let name = self.posed.lights[index].name.clone();
-            self.b.passes.extend(segment.passes);
+            let passes =
+                std::mem::take(&mut segment.passes).into_iter().map(|pass| self.with_stencil_as_it_is(pass));
+            let passes: Vec<Pass> = passes.collect();
             let factor = match (segment.counts, segment.visibility) {
+                _ if segment.darkens => FactorAt::Darkening,
                 (_, Some(_)) => FactorAt::Visibility(layer),
                 (true, None) if mask.is_some() => FactorAt::MaskBit(bit),
                 (true, None) => FactorAt::Counts,
                 (false, None) => FactorAt::Lit,
             };
+            // What darkens the finished picture is counted when it is finished; for a factor by itself, and before.
+            let factor_alone = factor == FactorAt::Darkening && self.request.factors;
+            if factor == FactorAt::Darkening {
+                darkening.extend(passes.iter().cloned());
+            }
+            if factor != FactorAt::Darkening || factor_alone {
+                self.b.passes.extend(passes);
+            }
             if segment.counts && segment.visibility.is_some() {
                 self.b.passes.push(self.resolve_to_visibility(&name, layer));
             }
             let wanted = self.request.factors && segment.claimed;
             let factor_image = wanted.then(|| self.factor_image(index, factor));
+            if factor_alone {
+                self.b.passes.push(self.forget_counts(&name));
+            }
             if let (FactorAt::MaskBit(bit), Some(mask)) = (factor, mask) {
                 self.b.passes.push(self.resolve_to_mask(&name, mask, bit));
             }
             bit += u32::from(matches!(factor, FactorAt::MaskBit(_)));
             layer += u32::from(segment.visibility.is_some());
-            lights.push(LightPlanned { name, factor, techniques: segment.techniques, factor_image });
+            let Segment { techniques, smooth_terminators, .. } = segment;
+            lights.push(LightPlanned { name, factor, techniques, smooth_terminators, factor_image });
         }
         self.shading(prepass, any_counts, mask, layers > 0, &lights);
+        if let Some(weight) = weight.filter(|_| !darkening.is_empty()) {
+            self.darken(darkening, weight);
+        }
         let Self { b, picture, .. } = self;
         let mut plan = FramePlan {
             size_px: b.size_px,
@@ -117,12 +139,23 @@ impl Assembly<'_> {
     }
 
     /// The depth attachment of passes that only test against the prepass.
-    fn depth_read(&self) -> DepthTarget {
+    pub(super) fn depth_read(&self) -> DepthTarget {
         let stencil = match self.b.slots[self.depth.0].kind {
             SlotKind::Texture { format, .. } if format.has_stencil_aspect() => Some(Access::ReadOnly),
             _ => None,
         };
         DepthTarget { slot: self.depth, depth: Access::ReadOnly, stencil }
+    }
+
+    /// Techniques that only test depth do not know whether others count in the stencil beside it.
+    fn with_stencil_as_it_is(&self, mut pass: Pass) -> Pass {
+        if let Some(depth) = &mut pass.depth
+            && depth.slot == self.depth
+            && depth.stencil.is_none()
+        {
+            depth.stencil = self.depth_read().stencil;
+        }
+        pass
     }
 
     fn prepass(&self, stencil: bool) -> Pass {
@@ -194,7 +227,7 @@ impl Assembly<'_> {
         let turned_away = self.turned_away(light);
         let mut bindings = vec![(2, Binding::Storage(turned_away))];
         let flags: &[&str] = match factor {
-            FactorAt::Counts | FactorAt::MaskBit(_) => {
+            FactorAt::Counts | FactorAt::MaskBit(_) | FactorAt::Darkening => {
                 bindings.push((3, Binding::StencilOf(self.depth)));
                 &["COUNTS"]
             }
@@ -294,7 +327,7 @@ impl Assembly<'_> {
         }
     }
 
-    fn resolve_draw(&self, fragment: &'static str, state: DrawState) -> Draw {
+    pub(super) fn resolve_draw(&self, fragment: &'static str, state: DrawState) -> Draw {
         Draw {
             name: fragment.into(),
             shader: Some(engine_shader("resolve_mask", &[], "fullscreen_vertex", Some(fragment))),
@@ -369,7 +402,7 @@ const ADD_CONSTANT: BlendState = {
 };
 
 /// Draws where the stencil is not zero, and leaves zero there.
-const ZERO_WHERE_COUNTED: Stencil = {
+pub(super) const ZERO_WHERE_COUNTED: Stencil = {
     let face = StencilFaceState {
         compare: CompareFunction::NotEqual,
         fail_op: StencilOperation::Keep,

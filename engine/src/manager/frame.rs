@@ -54,6 +54,7 @@ pub fn plan_frame(
     // Each light's own passes.
     let mut segments = Vec::new();
     let mut layers = 0;
+    let mut darkening = None;
     for (index, claims) in registry.lights.iter().enumerate() {
         let mut segment = Segment {
             passes: vec![],
@@ -61,6 +62,8 @@ pub fn plan_frame(
             visibility: None,
             techniques: vec![],
             claimed: !claims.is_empty(),
+            darkens: false,
+            smooth_terminators: vec![],
         };
         let light = &posed.lights[index];
         if claims.is_empty() {
@@ -69,12 +72,14 @@ pub fn plan_frame(
             b.note(format!("light '{}' reaches nothing in view: no passes", light.name));
         } else {
             let mut counts_bound = 0;
+            let mut last: Option<&String> = None;
             for claim in claims {
                 segment.techniques.push(claim.label.clone());
                 if claim.casters.is_empty() {
                     b.note(format!("'{}' has no casters for light '{}': no passes", claim.node, light.name));
                     continue;
                 }
+                let darkened_before = segment.darkens;
                 let required = claim.technique.requirements().required;
                 let mut light_plan = LightPlan {
                     posed,
@@ -91,9 +96,19 @@ pub fn plan_frame(
                     uses_visibility: &mut segment.visibility,
                     counts_bound: &mut counts_bound,
                     visibility_layer: layers,
+                    darkening: &mut darkening,
+                    darkens: &mut segment.darkens,
+                    smooth_terminators: &mut segment.smooth_terminators,
                 };
                 light_plan.require(required, "always")?;
                 claim.technique.plan(&mut light_plan)?;
+                if segment.darkens && (segment.counts || segment.visibility.is_some()) {
+                    let (own, other) = (claim.node.clone(), last.unwrap_or(&claim.node).clone());
+                    let (darkening, other) = if darkened_before { (other, own) } else { (own, other) };
+                    let light = light.name.clone();
+                    return Err(ShadowError::DarkenedTwice { light, darkening, other }.into());
+                }
+                last = Some(&claim.node);
             }
             segment.passes = std::mem::take(&mut b.passes);
             layers += u32::from(segment.visibility.is_some());
@@ -101,8 +116,19 @@ pub fn plan_frame(
         segments.push(segment);
     }
 
-    let plan =
-        Assembly { posed, view: &view, surfaces, request, b, picture, depth, visibility }.assemble(segments);
+    if let (Some(darkening), PictureFormat::LinearF32) = (&darkening, request.picture) {
+        let needed = wgpu::Features::FLOAT32_BLENDABLE;
+        if !adapter.features.contains(needed) {
+            return Err(FrameError::Shadow(ShadowError::MissingFeature {
+                node: darkening.node.clone(),
+                technique: darkening.technique,
+                needed: format!("{needed:?} (darkening a picture of 32-bit floats)"),
+                adapter: adapter.name.into(),
+            }));
+        }
+    }
+    let assembly = Assembly { posed, view: &view, surfaces, request, b, picture, depth, visibility };
+    let plan = assembly.assemble(segments, darkening.map(|darkening| darkening.weight));
     plan.validate().map_err(ShadowError::from)?;
     Ok(plan)
 }

@@ -1,6 +1,7 @@
 //! The render manager: collects shadow nodes, plans the frame, has it executed. The only room that sees all others.
 
 mod assembly;
+mod darkening;
 mod exposure;
 mod frame;
 mod renderer;

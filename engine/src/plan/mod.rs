@@ -336,6 +336,8 @@ pub enum FactorAt {
     MaskBit(u32),
     /// The value in this layer of the visibility array.
     Visibility(u32),
+    /// 1 while shading; the finished picture is darkened where the counts of all such lights are not zero.
+    Darkening,
 }
 
 /// What the plan found out about one light.
@@ -348,6 +350,8 @@ pub struct LightPlanned {
     /// The techniques that shadow it, by type name and what options are not at their default; empty
     /// without any.
     pub techniques: Vec<String>,
+    /// Instances that are shaded by their normals alone where they turn away from the light.
+    pub smooth_terminators: Vec<u32>,
     /// Index of the factor image slot, when one was asked for.
     pub factor_image: Option<SlotId>,
 }

@@ -23,7 +23,11 @@ impl fmt::Display for FramePlan {
         for light in &self.lights {
             let techniques =
                 if light.techniques.is_empty() { "no shadow".into() } else { light.techniques.join(", ") };
-            writeln!(f, "  light {}: {techniques} -> {:?}", light.name, light.factor)?;
+            write!(f, "  light {}: {techniques} -> {:?}", light.name, light.factor)?;
+            match light.smooth_terminators.len() {
+                0 => writeln!(f)?,
+                count => writeln!(f, ", smooth terminators: {count}")?,
+            }
         }
         for pass in &self.passes {
             self.write_pass(f, pass)?;

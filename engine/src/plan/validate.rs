@@ -229,7 +229,7 @@ impl FramePlan {
                 return Err(never("its factor image".into()));
             }
             match light.factor {
-                FactorAt::Counts if !self.passes.iter().any(writes_stencil) => {
+                FactorAt::Counts | FactorAt::Darkening if !self.passes.iter().any(writes_stencil) => {
                     return Err(never("the stencil".into()));
                 }
                 FactorAt::MaskBit(bit) if !self.is_written("light mask", bit / 32, written) => {

@@ -37,6 +37,14 @@ pub enum ShadowError {
         second: String,
         second_options: String,
     },
+    #[error(
+        "'{first}' darkens the finished picture by {first_weight} and '{second}' by {second_weight}; there is one darkening, with one weight"
+    )]
+    WeightsDiffer { first: String, first_weight: f64, second: String, second_weight: f64 },
+    #[error(
+        "light '{light}' is served by '{darkening}', which darkens the finished picture, and by '{other}', which takes away the light itself; one light may have one of the two"
+    )]
+    DarkenedTwice { light: String, darkening: String, other: String },
     #[error("shadow node '{node}' ({technique}) needs {needed}, which adapter '{adapter}' does not have")]
     MissingFeature { node: String, technique: &'static str, needed: String, adapter: String },
     #[error("shadow node '{node}' ({technique}): {reason}")]

@@ -32,6 +32,9 @@ pub enum Channels {
     Rgb,
 }
 
+/// The lights that may have smooth terminators: a bit for each of them goes with every instance.
+pub const MAX_SMOOTH_LIGHTS: usize = 32;
+
 /// The frame plan as one technique sees it while it serves one light.
 #[derive(Debug)]
 pub struct LightPlan<'a> {
@@ -54,6 +57,23 @@ pub struct LightPlan<'a> {
     pub(crate) uses_visibility: &'a mut Option<Channels>,
     pub(crate) counts_bound: &'a mut u32,
     pub(crate) visibility_layer: u32,
+    /// The one darkening of this frame, and whether this light's counts go into it.
+    pub(crate) darkening: &'a mut Option<Darkening>,
+    pub(crate) darkens: &'a mut bool,
+    pub(crate) smooth_terminators: &'a mut Vec<u32>,
+}
+
+/// The one darkening of a frame's finished picture.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Darkening {
+    /// How much of the picture's light is taken away, from 0 to 1.
+    pub(crate) weight: f64,
+    /// The node that asked first.
+    pub(crate) node: String,
+    /// Its technique.
+    pub(crate) technique: &'static str,
+    /// A bound on the counts of all lights together.
+    pub(crate) bound: u32,
 }
 
 impl<'a> LightPlan<'a> {
@@ -92,6 +112,12 @@ impl<'a> LightPlan<'a> {
         self.depth
     }
 
+    /// The attachment for a pass that tests against the receivers' depth and leaves depth and stencil alone.
+    pub fn test_depth(&self) -> DepthTarget {
+        // Whether there is a stencil is known when all lights are planned; the frame is put together with it.
+        DepthTarget { slot: self.depth, depth: Access::ReadOnly, stencil: None }
+    }
+
     /// The attachment for a pass that counts in the stencil: receivers' depth read-only, the stencil written. The
     /// stencil holds 0 where nothing has counted for this light yet.
     ///
@@ -101,15 +127,65 @@ impl<'a> LightPlan<'a> {
         if let SlotKind::Texture { format, .. } = &mut self.builder.slots[self.depth.0].kind {
             *format = TextureFormat::Depth32FloatStencil8;
         }
-        *self.uses_counts = true;
-        let before = *self.counts_bound;
-        *self.counts_bound = before.saturating_add(bound);
+        let before = self.counts_before();
+        let sum = before.saturating_add(bound);
+        match self.darkening {
+            Some(darkening) if *self.darkens => darkening.bound = sum,
+            _ => {
+                *self.uses_counts = true;
+                *self.counts_bound = sum;
+            }
+        }
         (DepthTarget { slot: self.depth, depth: Access::ReadOnly, stencil: Some(Access::Keep) }, before)
     }
 
-    /// The bound on what others have counted in the stencil for this light so far.
+    /// The bound on what others have counted in the stencil for this light so far; after
+    /// [`LightPlan::darken_once`], for all lights that it was called for.
     pub fn counts_before(&self) -> u32 {
-        *self.counts_bound
+        match &*self.darkening {
+            Some(darkening) if *self.darkens => darkening.bound,
+            _ => *self.counts_bound,
+        }
+    }
+
+    /// Has this light's counts put together with those of all other lights for which this is called: the light is
+    /// shaded as if nothing shadowed it, and where the sum of all counts is not zero, the finished picture is
+    /// darkened, once, by `weight`. (No count is negative, so they do not cancel.) Called before anything is counted.
+    /// A factor that is asked for is still the light's own.
+    ///
+    /// # Errors
+    /// [`ShadowError::WeightsDiffer`] when another node of the frame asked for another weight.
+    pub fn darken_once(&mut self, weight: f64) -> Result<(), ShadowError> {
+        let technique = self.claim.technique.type_name();
+        let own = Darkening { weight, node: self.claim.node.clone(), technique, bound: 0 };
+        let darkening = self.darkening.get_or_insert(own);
+        if darkening.weight != weight {
+            return Err(ShadowError::WeightsDiffer {
+                first: darkening.node.clone(),
+                first_weight: darkening.weight,
+                second: self.claim.node.clone(),
+                second_weight: weight,
+            });
+        }
+        *self.darkens = true;
+        Ok(())
+    }
+
+    /// Has instance number `instance` shaded by its normals alone where it turns away from this light: the technique
+    /// leaves what is there undecided. For pictures; in factors, what is turned away stays dark.
+    ///
+    /// # Errors
+    /// [`ShadowError::Unsupported`] beyond the first [`MAX_SMOOTH_LIGHTS`] lights of a scene.
+    pub fn smooth_terminator(&mut self, instance: usize) -> Result<(), ShadowError> {
+        if self.light_index >= MAX_SMOOTH_LIGHTS {
+            return Err(self.unsupported(format!(
+                "a smooth terminator is there for the first {MAX_SMOOTH_LIGHTS} lights of a scene; '{}' is number {}",
+                self.light().name,
+                self.light_index + 1
+            )));
+        }
+        self.smooth_terminators.push(instance as u32);
+        Ok(())
     }
 
     /// The target for a pass that multiplies visibility: 1 where nothing has darkened it yet.

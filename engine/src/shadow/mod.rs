@@ -15,7 +15,7 @@ mod registry;
 pub use cache::{Cache, hash_of};
 pub use catalog::{Catalog, Requirements, Setting, ShadowTechnique, TechniqueEntry};
 pub use error::ShadowError;
-pub use light_plan::{Channels, LightPlan, View};
+pub use light_plan::{Channels, LightPlan, MAX_SMOOTH_LIGHTS, View};
 pub use options::{OptionError, OptionReader};
 pub use registry::{Claim, Registry};
 /// What an adapter can do beyond the basics.

@@ -70,6 +70,12 @@ impl<'a> OptionReader<'a> {
         }
     }
 
+    /// The refusal of a value that is fine by itself but not beside the other options.
+    #[must_use]
+    pub fn conflict(&self, option: &str, accepted: &str) -> OptionError {
+        self.bad_value(option, accepted.into())
+    }
+
     /// Checks that every given option was asked for.
     ///
     /// # Errors

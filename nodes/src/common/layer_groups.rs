@@ -11,7 +11,7 @@ use shadowgraph_engine::geometry::{CastTriangles, GroupMember, layer_groups, max
 use shadowgraph_engine::scene::Instance;
 use shadowgraph_engine::shadow::{LightPlan, hash_of};
 
-use super::volume::CasterFacing;
+use super::volume::{CastShape, CasterFacing};
 
 /// The largest count an 8-bit stencil holds.
 pub const MAX_COUNT: u32 = 255;
@@ -25,6 +25,8 @@ pub struct Caster<'a> {
     pub index: usize,
     /// The mesh at its place.
     pub instance: &'a Instance,
+    /// Its triangles.
+    pub shape: CastShape<'a>,
     /// A hash of everything `facing` was computed from.
     pub key: u64,
     /// Its facing signs.
@@ -35,7 +37,7 @@ impl Caster<'_> {
     fn triangles(&self) -> CastTriangles<'_> {
         CastTriangles {
             p_in_world: &self.facing.p_in_world,
-            triangles: self.instance.mesh.topology().triangles(),
+            triangles: self.shape.topology().triangles(),
             cast: &self.facing.cast,
         }
     }

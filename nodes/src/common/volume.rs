@@ -1,10 +1,12 @@
 //! The shadow volume of one caster and one light: its indices, and the record its vertex shader reads.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, DVec4};
-use shadowgraph_engine::geometry::{Chain, facing_signs, restricted_signs};
+use shadowgraph_engine::geometry::{Capped, Chain, Topology, facing_signs, restricted_signs};
 use shadowgraph_engine::scene::Instance;
 
 use super::extrusion::End;
@@ -74,6 +76,56 @@ impl VolumeUniform {
     }
 }
 
+/// The triangles of a caster: its mesh's own, and after them those that close it.
+#[derive(Clone, Debug)]
+pub enum CastShape<'a> {
+    /// The mesh as it is.
+    Own(&'a Topology),
+    /// With caps over its open loops.
+    Capped(Arc<Capped>),
+    /// With the reverse of every triangle.
+    Doubled(Arc<Topology>),
+}
+
+impl CastShape<'_> {
+    /// Welded corners, edges and closedness of all its triangles.
+    pub fn topology(&self) -> &Topology {
+        match self {
+            Self::Own(topology) => topology,
+            Self::Capped(capped) => &capped.topology,
+            Self::Doubled(doubled) => doubled,
+        }
+    }
+
+    /// The facing signs of the triangles in `half`, 0 for the others.
+    fn signs_of(&self, instance: &Instance, signs: Vec<i8>, half: Half) -> Vec<i8> {
+        if half == Half::Both {
+            return signs;
+        }
+        // Of a face and its reverse one faces the light; which of them is outside is not asked.
+        if matches!(self, Self::Doubled(_)) {
+            return signs.into_iter().map(|sign| sign.max(0)).collect();
+        }
+        let Some(orientation) = self.topology().orientation(&instance.world_from_local) else { return signs };
+        let lit = orientation.lit_only(&signs);
+        if half == Half::Lit {
+            return lit;
+        }
+        signs.iter().zip(lit).map(|(sign, lit)| sign - lit).collect()
+    }
+}
+
+/// Which triangles of a caster cast.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Half {
+    /// All that are not edge-on.
+    Both,
+    /// Those that face the light outwards: for solids with the light outside.
+    Lit,
+    /// Those that face away from it: for solids with the light outside, whose own far side stays undecided.
+    Unlit,
+}
+
 /// What the facing signs of one caster say before it is cast: kept between frames.
 #[derive(Clone, Debug)]
 pub struct CasterFacing {
@@ -83,33 +135,53 @@ pub struct CasterFacing {
     pub signs: Vec<i8>,
     /// The triangles with a sign other than 0.
     pub cast: Vec<u32>,
+    /// Which triangles were to cast.
+    pub half: Half,
 }
 
 impl CasterFacing {
-    /// The facing signs of `instance` towards `light`; with `closed`, only those facing it outwards.
-    pub fn new(instance: &Instance, light: DVec4, closed: bool) -> Self {
-        let topology = instance.mesh.topology();
+    /// The facing signs of `instance`, with the triangles of `shape`, towards `light`; of those in `half`.
+    pub fn new(instance: &Instance, shape: &CastShape<'_>, light: DVec4, half: Half) -> Self {
         let p_in_world: Vec<DVec3> = (0..instance.mesh.positions().len() as u32)
             .map(|vertex| instance.world_position(vertex))
             .collect();
-        let mut signs = facing_signs(&p_in_world, topology.triangles(), light);
-        if closed && let Some(orientation) = topology.orientation(&instance.world_from_local) {
-            signs = orientation.lit_only(&signs);
-        }
+        let signs = facing_signs(&p_in_world, shape.topology().triangles(), light);
+        let signs = shape.signs_of(instance, signs, half);
         let cast = (0..signs.len() as u32).filter(|triangle| signs[*triangle as usize] != 0).collect();
-        Self { p_in_world, signs, cast }
+        Self { p_in_world, signs, cast, half }
     }
 }
 
-/// Indices of a volume, each 4·vertex + 2·side + far, in runs that are drawn as the view demands.
+/// How edges of more than unit weight are listed among the sides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Weights {
+    /// As often as they weigh: for counters that go by ones.
+    Repeated,
+    /// Once, in a run of their own for each weight: for counters that add any number.
+    Apart,
+}
+
+/// The sides of one weight.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SideRun {
+    /// What each of them counts.
+    pub weight: u32,
+    /// First triangle (q, p, p∞) of every side: all there is of it when both ends meet at infinity.
+    pub near: Range<u32>,
+    /// Second triangle (q, p∞, q∞) of every side.
+    pub far: Range<u32>,
+    /// Both triangles of every side once more, with q and p a little before the caster; empty unless [`Half::Unlit`]
+    /// casts.
+    pub ahead: Range<u32>,
+}
+
+/// Indices of a volume, each 4·vertex + kind of corner (see shadow_volume_hard.wgsl), in runs that are drawn as the view demands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VolumeIndices {
     /// All runs, one after the other.
     pub indices: Vec<u32>,
-    /// First triangle (q, p, p∞) of every side: all there is of it when both ends meet at infinity.
-    pub sides_near: Range<u32>,
-    /// Second triangle (q, p∞, q∞) of every side.
-    pub sides_far: Range<u32>,
+    /// The sides, by ascending weight.
+    pub sides: Vec<SideRun>,
     /// Far caps.
     pub far_caps: Range<u32>,
     /// Front caps of triangles the light sees from the front, in the mesh's own order of corners.
@@ -118,14 +190,24 @@ pub struct VolumeIndices {
     /// way round. (Turning the triangle instead could change its depth by a rounding, and caps must equal the
     /// visible surface bit by bit.)
     pub front_caps_turned: Range<u32>,
+    /// Front caps of triangles that close the mesh and that nobody sees.
+    pub unseen_caps: Range<u32>,
+    /// Those of them that count the other way round.
+    pub unseen_caps_turned: Range<u32>,
     /// Different silhouette edges.
     pub silhouette_edges: usize,
 }
 
 impl VolumeIndices {
     /// The volume of the given triangles of a caster.
-    pub fn new(instance: &Instance, facing: &CasterFacing, triangles: &[u32]) -> Self {
-        let topology = instance.mesh.topology();
+    pub fn new(
+        instance: &Instance,
+        shape: &CastShape<'_>,
+        facing: &CasterFacing,
+        triangles: &[u32],
+        weights: Weights,
+    ) -> Self {
+        let topology = shape.topology();
         let all = triangles.len() == facing.cast.len();
         let restricted;
         let signs = if all {
@@ -135,19 +217,25 @@ impl VolumeIndices {
             &restricted
         };
         let chain = Chain::extract(topology, signs);
-        let near = |vertex: u32| vertex << 2 | 2;
-        let far = |vertex: u32| vertex << 2 | 3;
-        let cap = |vertex: u32| vertex << 2;
         let mut indices = Vec::with_capacity(chain.sides.len() * 6 + triangles.len() * 6);
         let mut run = |add: &mut dyn FnMut(&mut Vec<u32>)| {
             let start = indices.len() as u32;
             add(&mut indices);
             start..indices.len() as u32
         };
-        let sides_near =
-            run(&mut |i| chain.sides.iter().for_each(|&[p, q]| i.extend([near(q), near(p), far(p)])));
-        let sides_far =
-            run(&mut |i| chain.sides.iter().for_each(|&[p, q]| i.extend([near(q), far(p), far(q)])));
+        let mut sides = Vec::new();
+        for (weight, of_weight) in by_weight(&chain.sides, weights) {
+            let near_run =
+                run(&mut |i| of_weight.iter().for_each(|&[p, q]| i.extend([near(q), near(p), far(p)])));
+            let far_run =
+                run(&mut |i| of_weight.iter().for_each(|&[p, q]| i.extend([near(q), far(p), far(q)])));
+            let ahead_run = run(&mut |i| {
+                let of_weight = if facing.half == Half::Unlit { &of_weight[..] } else { &[] };
+                of_weight.iter().for_each(|&[p, q]| i.extend([ahead(q), ahead(p), far(p)]));
+                of_weight.iter().for_each(|&[p, q]| i.extend([ahead(q), far(p), far(q)]));
+            });
+            sides.push(SideRun { weight, near: near_run, far: far_run, ahead: ahead_run });
+        }
         let far_caps = run(&mut |i| {
             for &triangle in &chain.caps_front {
                 let [a, b, c] = topology.triangles()[triangle as usize];
@@ -157,11 +245,80 @@ impl VolumeIndices {
                 i.extend(topology.triangles()[triangle as usize].map(far));
             }
         });
-        // Front caps use the mesh's own indices, as the visible surface does.
-        let own = |triangle: u32| instance.mesh.triangle(triangle as usize).map(cap);
-        let front_caps = run(&mut |i| chain.caps_front.iter().for_each(|t| i.extend(own(*t))));
-        let front_caps_turned = run(&mut |i| chain.caps_back.iter().for_each(|t| i.extend(own(*t))));
-        let silhouette_edges = chain.silhouette_edges;
-        Self { indices, sides_near, sides_far, far_caps, front_caps, front_caps_turned, silhouette_edges }
+        let FrontCaps { own, unseen } = FrontCaps::new(instance, shape, &chain);
+        let [front_caps, front_caps_turned] = own.map(|caps| run(&mut |i| i.extend_from_slice(&caps)));
+        let [unseen_caps, unseen_caps_turned] = unseen.map(|caps| run(&mut |i| i.extend_from_slice(&caps)));
+        Self {
+            silhouette_edges: chain.silhouette_edges,
+            indices,
+            sides,
+            far_caps,
+            front_caps,
+            front_caps_turned,
+            unseen_caps,
+            unseen_caps_turned,
+        }
     }
+}
+
+/// A corner at the very depth of the visible surface.
+fn cap(vertex: u32) -> u32 {
+    vertex << 2
+}
+
+/// A corner of a side where the caster is, a little before it.
+fn ahead(vertex: u32) -> u32 {
+    vertex << 2 | 1
+}
+
+/// A corner of a side where the caster is, as far behind it as sides are.
+fn near(vertex: u32) -> u32 {
+    vertex << 2 | 2
+}
+
+/// A corner at the volume's far end.
+fn far(vertex: u32) -> u32 {
+    vertex << 2 | 3
+}
+
+/// Front caps: those that count as the chain does, and those that count the other way round.
+#[derive(Default)]
+struct FrontCaps {
+    own: [Vec<u32>; 2],
+    unseen: [Vec<u32>; 2],
+}
+
+impl FrontCaps {
+    fn new(instance: &Instance, shape: &CastShape<'_>, chain: &Chain) -> Self {
+        let own_count = instance.mesh.triangle_count() as u32;
+        // The mesh's own indices, as the visible surface has them.
+        let own = |triangle: u32| instance.mesh.triangle(triangle as usize).map(cap);
+        let mut caps = Self::default();
+        for (turned, list) in [&chain.caps_front, &chain.caps_back].into_iter().enumerate() {
+            for &triangle in list {
+                if triangle < own_count {
+                    caps.own[turned].extend(own(triangle));
+                } else if matches!(shape, CastShape::Doubled(_)) {
+                    // The reverse of a triangle is that triangle, counted the other way round.
+                    caps.own[1 - turned].extend(own(triangle - own_count));
+                } else {
+                    // As far behind as sides are, so that it lies before no visible surface it touches.
+                    caps.unseen[turned].extend(shape.topology().triangles()[triangle as usize].map(near));
+                }
+            }
+        }
+        caps
+    }
+}
+
+/// The sides in lists of one weight, ascending. [`Chain`] lists a side of weight k k times in a row.
+fn by_weight(sides: &[[u32; 2]], weights: Weights) -> Vec<(u32, Vec<[u32; 2]>)> {
+    if weights == Weights::Repeated {
+        return vec![(1, sides.to_vec())];
+    }
+    let mut lists: BTreeMap<u32, Vec<[u32; 2]>> = BTreeMap::new();
+    for equal in sides.chunk_by(|a, b| a == b) {
+        lists.entry(equal.len() as u32).or_default().push(equal[0]);
+    }
+    lists.into_iter().collect()
 }

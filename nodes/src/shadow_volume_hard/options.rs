@@ -41,15 +41,75 @@ pub enum Extrusion {
     ToBounds,
 }
 
-/// The node and its options.
+/// How open casters are closed before they cast.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Closure {
+    /// Not at all: they cast as they are, exactly.
+    #[default]
+    None,
+    /// By caps over their open loops, which cast too: wrong where light shines through an opening.
+    Cap,
+    /// By the reverse of every face; exact.
+    Backfaces,
+}
+
+/// How the shadows of several lights are put into the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Passes {
+    /// Each light is counted by itself and takes away its own light.
+    #[default]
+    Multi,
+    /// All lights are counted at once, and the finished picture is darkened once.
+    Single {
+        /// How much of the picture's light a shadow takes away, from 0 to 1.
+        weight: f64,
+    },
+}
+
+impl Passes {
+    /// `Single` with the weight it has when none is given.
+    pub const SINGLE: Self = Self::Single { weight: 0.5 };
+}
+
+/// Where counts are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CounterKind {
+    /// In the stencil: it was the faster for every number of layers that was measured.
+    #[default]
+    Auto,
+    /// In the stencil, in groups where it is too small.
+    Stencil8,
+    /// In a float target, added up by blending.
+    Float,
+}
+
+/// Where the night begins on a caster that is shaded smooth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Terminator {
+    /// Where its triangles turn away from the light.
+    #[default]
+    Geometric,
+    /// Where its normals do; a solid casts with its far side then. Pictures only: factors stay geometric.
+    Smooth,
+}
+
+/// The node and its options.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ShadowVolumeHard {
     /// From where crossings are counted.
     pub depth_test: DepthTest,
     /// Which triangles cast.
     pub geometry: GeometryMode,
+    /// How open casters are closed.
+    pub closure: Closure,
+    /// How several lights are put together.
+    pub passes: Passes,
     /// Where volumes end.
     pub extrusion: Extrusion,
+    /// Where counts are kept.
+    pub counter: CounterKind,
+    /// Where the night begins on smooth casters.
+    pub terminator: Terminator,
 }
 
 /// The type name scenes use.
@@ -58,8 +118,15 @@ const DEPTH_TESTS: &[(&str, DepthTest)] =
     &[("auto", DepthTest::Auto), ("zpass", DepthTest::ZPass), ("zfail", DepthTest::ZFail)];
 const GEOMETRIES: &[(&str, GeometryMode)] =
     &[("auto", GeometryMode::Auto), ("closed", GeometryMode::Closed), ("open", GeometryMode::Open)];
+const CLOSURES: &[(&str, Closure)] =
+    &[("none", Closure::None), ("cap", Closure::Cap), ("backfaces", Closure::Backfaces)];
+const PASSES: &[(&str, Passes)] = &[("multi", Passes::Multi), ("single", Passes::SINGLE)];
 const EXTRUSIONS: &[(&str, Extrusion)] =
     &[("auto", Extrusion::Auto), ("infinite", Extrusion::Infinite), ("toBounds", Extrusion::ToBounds)];
+const COUNTERS: &[(&str, CounterKind)] =
+    &[("auto", CounterKind::Auto), ("stencil8", CounterKind::Stencil8), ("float", CounterKind::Float)];
+const TERMINATORS: &[(&str, Terminator)] =
+    &[("geometric", Terminator::Geometric), ("smooth", Terminator::Smooth)];
 
 impl ShadowVolumeHard {
     /// How the catalog knows it.
@@ -98,27 +165,46 @@ impl ShadowVolumeHard {
     /// [`OptionError`] names the option and what is accepted.
     pub fn from_params(params: &Params) -> Result<Self, OptionError> {
         let mut options = OptionReader::new(TYPE_NAME, params);
-        let node = Self {
+        let mut node = Self {
             depth_test: options.choice("depthTest", DEPTH_TESTS)?,
             geometry: options.choice("geometry", GEOMETRIES)?,
+            closure: options.choice("closure", CLOSURES)?,
+            passes: options.choice("passes", PASSES)?,
             extrusion: options.choice("extrusion", EXTRUSIONS)?,
+            counter: options.choice("counter", COUNTERS)?,
+            terminator: options.choice("terminator", TERMINATORS)?,
         };
-        // Options whose other values are not there yet accept their default, and say so.
-        options.choice("closure", &[("none", ())])?;
-        options.choice("passes", &[("multi", ())])?;
-        options.choice("counter", &[("auto", ()), ("stencil8", ())])?;
-        options.choice("terminator", &[("geometric", ())])?;
+        let given = params.contains_key("weight");
+        let number = options.number("weight", 0.5, 0.0, 1.0)?;
+        if let Passes::Single { weight } = &mut node.passes {
+            *weight = number;
+            // One stencil holds the counts of all lights, and there is one darkening to do.
+            if node.counter == CounterKind::Float {
+                return Err(options.conflict("counter", "auto, stencil8 with passes=single"));
+            }
+        } else if given {
+            return Err(options.conflict("weight", "with passes=single only"));
+        }
         options.finish()?;
         Ok(node)
     }
 
     /// All options with their values.
     pub(super) fn to_params(self) -> Params {
-        Params::from([
+        let passes = if self.passes == Passes::Multi { "multi" } else { "single" };
+        let mut params = Params::from([
             ("depthTest".into(), name_of(DEPTH_TESTS, &self.depth_test)),
             ("geometry".into(), name_of(GEOMETRIES, &self.geometry)),
+            ("closure".into(), name_of(CLOSURES, &self.closure)),
+            ("passes".into(), ParamValue::Text(passes.into())),
             ("extrusion".into(), name_of(EXTRUSIONS, &self.extrusion)),
-        ])
+            ("counter".into(), name_of(COUNTERS, &self.counter)),
+            ("terminator".into(), name_of(TERMINATORS, &self.terminator)),
+        ]);
+        if let Passes::Single { weight } = self.passes {
+            params.insert("weight".into(), ParamValue::Number(weight));
+        }
+        params
     }
 }
 

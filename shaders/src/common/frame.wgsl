@@ -26,8 +26,9 @@ struct Instance {
     flags: u32,
     // The first triangle of this instance in buffers that hold a value for every triangle of the frame.
     first_triangle: u32,
+    // One bit for each light: past its geometric terminator the instance is lit by its normals alone.
+    smooth_terminators: u32,
     pad_0: u32,
-    pad_1: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -17,7 +17,7 @@ use crate::plan::{
 use crate::scene::{AlphaMode, Instance, Material, Posed};
 
 /// The flags of surface_shade for what a draw reads, by binding number.
-const READ_FLAGS: [&str; 4] = ["COUNTS", "MASK", "VISIBILITY", "ONE_CHANNEL"];
+const READ_FLAGS: [&str; 5] = ["COUNTS", "MASK", "VISIBILITY", "ONE_CHANNEL", "SMOOTH_TERMINATOR"];
 
 /// What recording needs to know besides the executor's own stores.
 pub(super) struct Scene<'a> {
@@ -276,6 +276,7 @@ impl Executor {
         let one_channel =
             |(_, binding): &(u32, Binding)| scene.format(binding.slot()) == TextureFormat::R16Float;
         read |= u32::from(draw.bindings.iter().any(one_channel)) << 3;
+        read |= u32::from(scene.plan.lights.iter().any(|light| !light.smooth_terminators.is_empty())) << 4;
         let shader = self.surface_shaders.entry((style, read, features)).or_insert_with(|| {
             let read_flags = READ_FLAGS.iter().enumerate().filter(|(bit, _)| read >> bit & 1 == 1);
             let has_flags = FEATURE_FLAGS.iter().enumerate().filter(|(bit, _)| features >> bit & 1 == 1);
