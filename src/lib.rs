@@ -34,13 +34,14 @@ pub use shadowgraph_shaders as shaders;
 /// What most programs need.
 pub mod prelude {
     pub use glam::{DAffine3, DQuat, DVec3, Vec3};
-    pub use shadowgraph_engine::geometry::{Mesh, MeshData, shapes};
+    pub use shadowgraph_engine::geometry::{Influences, Mesh, MeshData, MorphTarget, shapes};
     pub use shadowgraph_engine::gpu::{AdapterChoice, Gpu, Timing};
     pub use shadowgraph_engine::manager::{
         Exposure, FrameRequest, PictureFormat, RenderError, RenderOptions, Renderer,
     };
     pub use shadowgraph_engine::scene::{
-        Camera, Content, Light, Material, MeshNode, PosedCamera, Scene, Scope, ShadowNode,
+        Animation, Camera, Channel, Content, Interpolation, Light, Material, MeshNode, PosedCamera, Property,
+        Scene, Scope, ShadowNode, Skin, Track, Transform,
     };
     pub use shadowgraph_nodes::{
         self, Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, ShadowVolumeHard, Terminator,

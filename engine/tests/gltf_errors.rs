@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use serde_json::{Value, json};
-use shadowgraph_engine::gltf::{self, GltfError, LoadOptions, Loaded, ShadowTypes};
+use shadowgraph_engine::gltf::{self, GltfError, LoadOptions, Loaded, SceneChoice, ShadowTypes};
 use shadowgraph_engine::scene::{Content, LightKind, ShadowNode};
 
 /// A document with one triangle, a light and a camera, for breaking.
@@ -311,10 +311,10 @@ fn another_scene_can_be_chosen() {
         let options = LoadOptions { scene, ..LoadOptions::default() };
         gltf::load_slice_with(document.as_bytes(), None, &options)
     };
-    assert!(load(Some(1)).unwrap().scene.find("elsewhere").is_some());
-    assert_eq!(load(Some(2)).unwrap().scene.nodes().count(), 0);
-    assert!(load(None).unwrap().scene.find("shape").is_some());
-    assert!(matches!(load(Some(3)), Err(GltfError::NoSuchScene { .. })));
+    assert!(load(SceneChoice::Index(1)).unwrap().scene.find("elsewhere").is_some());
+    assert_eq!(load(SceneChoice::Index(2)).unwrap().scene.nodes().count(), 0);
+    assert!(load(SceneChoice::Default).unwrap().scene.find("shape").is_some());
+    assert!(matches!(load(SceneChoice::Index(3)), Err(GltfError::NoSuchScene { .. })));
 }
 
 #[test]

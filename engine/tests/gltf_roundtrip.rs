@@ -21,9 +21,9 @@ fn tetrahedron() -> Mesh {
         uvs: positions.iter().map(|p| Vec2::new(p.x * 0.7, p.y)).collect(),
         colors: positions.iter().map(|p| Vec4::new(p.x, 0.3, p.z, 0.9)).collect(),
         positions,
-        normals: Vec::new(),
         indices: vec![0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3],
         parts: vec![Part { triangles: 0..1, material_slot: 1 }, Part { triangles: 1..4, material_slot: 0 }],
+        ..MeshData::default()
     })
     .unwrap()
 }
@@ -63,11 +63,11 @@ fn rich_scene() -> Scene {
         DMat3::from_cols_array(&[0.1, 0.7, 0.3, 0.2, -0.9, 1.0 / 3.0, 0.0, 0.01, -2.0]),
         DVec3::new(std::f64::consts::PI, 1e6 + 0.1, -7.0),
     );
-    let content = MeshNode { mesh, materials: vec![glass, sign], shadow: ShadowFlags::default() };
+    let content = MeshNode::in_materials(mesh, vec![glass, sign]);
     let caster = scene.add(Some(group), "caster", shear, Content::Mesh(content));
     // The same mesh in other materials: slot 1 has none and wears the default one.
     let shadow = ShadowFlags { casts: false, receives: true };
-    let content = MeshNode { mesh, materials: vec![sign], shadow };
+    let content = MeshNode { shadow, ..MeshNode::new(mesh, sign) };
     let turned = placed(DVec3::X, DQuat::from_rotation_y(0.3), DVec3::new(1.0, -1.0, 2.0));
     let other = scene.add(Some(caster), "", turned, Content::Mesh(content));
     let hidden = scene.add_mesh(tetrahedron(), Material::default(), DAffine3::IDENTITY);

@@ -38,6 +38,14 @@ pub(crate) fn vector(text: &str) -> Result<DVec3, String> {
     }
 }
 
+/// A time in seconds.
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds.is_finite() && seconds >= 0.0 => Ok(seconds),
+        _ => Err(format!("'{text}' is no time; accepted: a number of seconds from 0, as in 1.25")),
+    }
+}
+
 /// A light from the command line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum LightArg {
@@ -157,6 +165,7 @@ mod tests {
         assert_eq!(vector("1,-2.5,3e1").unwrap(), DVec3::new(1.0, -2.5, 30.0));
         assert!(matches!("point:1,2,3".parse(), Ok(LightArg::Point { .. })));
         assert!(matches!("spot:1,2,3:0,-1,0:30".parse(), Ok(LightArg::Spot { .. })));
+        assert_eq!(seconds("1.25"), Ok(1.25));
         let tiny = "directional:0,-1e-200,0".parse();
         assert_eq!(tiny, Ok(LightArg::Directional { direction: DVec3::NEG_Y }));
         let technique: TechniqueArg = "soft:radius=0.5,quality=wedge,color=1/0.5/0".parse().unwrap();
@@ -170,6 +179,9 @@ mod tests {
         assert!("0x5".parse::<Size>().is_err());
         for text in ["1,2", "1,2,x", "1,2,3,4", "1,2,nan", "1,2,inf", "1e16,0,0", ""] {
             assert!(vector(text).is_err(), "{text}");
+        }
+        for text in ["nan", "inf", "-1", "1s", ""] {
+            assert!(seconds(text).unwrap_err().contains("from 0"), "{text}");
         }
         for text in ["lamp:1,2,3", "directional:0,0,0", "spot:1,2,3:0,1,0:120", "point"] {
             assert!(text.parse::<LightArg>().is_err(), "{text}");

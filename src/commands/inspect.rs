@@ -1,6 +1,9 @@
 //! `shadowgraph inspect`: what a scene is made of, and what a frame of it would do. Needs no GPU.
 
+use std::collections::HashSet;
+
 use clap::Args;
+use shadowgraph::engine::gltf::Loaded;
 use shadowgraph::engine::manager::{Adapter, plan_frame};
 use shadowgraph::engine::scene::{NodeKey, Posed};
 use shadowgraph::engine::shadow::{Cache, Registry};
@@ -8,7 +11,7 @@ use shadowgraph::prelude::*;
 
 use super::Failure;
 use super::output::out;
-use super::scenes::{SceneArgs, catalog};
+use super::scenes::{SceneArgs, catalog, load};
 
 /// The arguments of `inspect`.
 #[derive(Debug, Args)]
@@ -18,8 +21,11 @@ pub(crate) struct InspectArgs {
 }
 
 pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
-    let (scene, camera) = args.scene.prepare()?;
+    let loaded = load(&args.scene.scene, args.scene.which_scene.as_deref())?;
+    print_scenes(&loaded);
+    let (scene, camera) = args.scene.prepare_loaded(loaded.scene)?;
     let posed = scene.pose().map_err(RenderError::from)?;
+    print_animations(&scene);
     out!("nodes");
     for root in scene.roots() {
         print_node(&scene, *root, 1);
@@ -34,6 +40,55 @@ pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The file's scenes, where there are several to choose from.
+fn print_scenes(loaded: &Loaded) {
+    if loaded.scene_names.len() < 2 {
+        return;
+    }
+    out!("scenes");
+    for (index, name) in loaded.scene_names.iter().enumerate() {
+        let shown = if loaded.scene_index == Some(index) { ", shown" } else { "" };
+        out!("  {index} '{}'{shown}", name.escape_debug());
+    }
+}
+
+/// What moves: clips with how long they last, and skins.
+fn print_animations(scene: &Scene) {
+    if scene.animations().next().is_some() {
+        out!("animations");
+    }
+    for (_, animation) in scene.animations() {
+        let nodes: HashSet<NodeKey> = animation.channels.iter().map(|channel| channel.node).collect();
+        out!(
+            "  '{}' {:.3} s, {} channels, {} nodes",
+            animation.name.escape_debug(),
+            animation.duration_s(),
+            animation.channels.len(),
+            nodes.len()
+        );
+    }
+    if scene.skins().next().is_some() {
+        out!("skins");
+    }
+    for (_, skin) in scene.skins() {
+        out!("  '{}' {} joints", skin.name.escape_debug(), skin.joints.len());
+    }
+}
+
+/// What bends a mesh, in a few words; nothing for one that nothing bends.
+fn bending(scene: &Scene, content: &MeshNode, mesh: &Mesh) -> String {
+    let skin = content.skin.and_then(|key| scene.skin(key));
+    let skin = skin.map_or(String::new(), |skin| format!(", skin '{}'", skin.name.escape_debug()));
+    let morphs = &mesh.data().morphs;
+    if morphs.is_empty() {
+        return skin;
+    }
+    let names: Vec<&str> = morphs.iter().map(|morph| morph.name.as_str()).collect();
+    let own: Vec<f64> = morphs.iter().map(|morph| f64::from(morph.weight)).collect();
+    let weights = if content.weights.is_empty() { &own } else { &content.weights };
+    format!("{skin}, morph targets {names:?} at {weights:?}")
+}
+
 fn print_node(scene: &Scene, key: NodeKey, depth: usize) {
     let Some(node) = scene.node(key) else { return };
     let what = match &node.content {
@@ -46,9 +101,10 @@ fn print_node(scene: &Scene, key: NodeKey, depth: usize) {
                 .map(|m| m.name.as_str())
                 .collect();
             format!(
-                "mesh '{}', {} triangles, materials {materials:?}",
+                "mesh '{}', {} triangles, materials {materials:?}{}",
                 mesh.name().escape_debug(),
-                mesh.triangle_count()
+                mesh.triangle_count(),
+                bending(scene, content, mesh)
             )
         }),
         Content::Light(light) => scene.light(*light).map_or_else(String::new, |light| {

@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::{DAffine3, DVec3};
-use shadowgraph::engine::gltf::{LoadOptions, ShadowTypes, load_with};
+use shadowgraph::engine::gltf::{GltfError, LoadOptions, Loaded, SceneChoice, ShadowTypes, load_with};
 use shadowgraph::engine::math::{Aabb, Projection};
 use shadowgraph::engine::scene::look_at;
 use shadowgraph::engine::shadow::Catalog;
 use shadowgraph::measure::ReferenceShadow;
 use shadowgraph::prelude::*;
 
-use super::args::{Floor, LightArg, Size, TechniqueArg, vector};
+use super::args::{Floor, LightArg, Size, TechniqueArg, seconds, vector};
 use super::output::note;
 use super::{Failure, other};
 
@@ -47,6 +47,15 @@ pub(crate) struct SceneArgs {
     /// Adds a square, matt, light-grey receiver that casts nothing.
     #[arg(long, value_name = "Y:HALF_SIZE", allow_hyphen_values = true)]
     pub(crate) floor: Option<Floor>,
+    /// The file's scene of this name or index (counted from 0), instead of its default one.
+    #[arg(long = "scene", value_name = "NAME|INDEX", id = "scene-of-file")]
+    pub(crate) which_scene: Option<String>,
+    /// Shows the scene's first animation at this time; its end is kept after it.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    pub(crate) time: Option<f64>,
+    /// The animation of this name instead of the first.
+    #[arg(long, value_name = "NAME", requires = "time")]
+    pub(crate) animation: Option<String>,
 }
 
 /// Every technique the command line knows: those of the project, and the reference as one more.
@@ -64,23 +73,42 @@ impl ShadowTypes for KnownTypes {
     }
 }
 
-/// Loads `path`, checking its shadow nodes; warnings go to stderr.
-pub(crate) fn load(path: &Path) -> Result<Scene, Failure> {
+/// Loads the chosen scene of `path`, checking its shadow nodes; warnings go to stderr.
+pub(crate) fn load(path: &Path, which: Option<&str>) -> Result<Loaded, Failure> {
     let types = KnownTypes(catalog());
-    let options = LoadOptions { shadow_types: Some(&types), ..LoadOptions::default() };
-    let loaded = load_with(path, &options).map_err(|error| {
+    let with = |scene| load_with(path, &LoadOptions { scene, shadow_types: Some(&types) });
+    let loaded = match which {
+        None => with(SceneChoice::Default),
+        // A scene may be called by a number; where none is, it is an index.
+        Some(name) => match (with(SceneChoice::Name(name)), name.parse()) {
+            (Err(GltfError::NoSuchSceneName { .. }), Ok(index)) => with(SceneChoice::Index(index)),
+            (loaded, _) => loaded,
+        },
+    };
+    let loaded = loaded.map_err(|error| {
+        if which.is_some()
+            && matches!(error, GltfError::NoSuchScene { .. } | GltfError::NoSuchSceneName { .. })
+        {
+            return Failure::Usage(format!("--scene: {error}"));
+        }
         // Whatever is wrong, the file is part of what is named.
         let (shown, said) = (path.display().to_string(), error.to_string());
         if said.contains(&shown) { Failure::Gltf(error) } else { other(format!("'{shown}': {said}")) }
     })?;
     loaded.warnings.iter().for_each(|warning| note!("warning: {warning}"));
-    Ok(loaded.scene)
+    Ok(loaded)
 }
 
 impl SceneArgs {
     /// The scene with everything the arguments change, and the camera.
     pub(crate) fn prepare(&self) -> Result<(Scene, PosedCamera), Failure> {
-        let mut scene = load(&self.scene)?;
+        let loaded = load(&self.scene, self.which_scene.as_deref())?;
+        self.prepare_loaded(loaded.scene)
+    }
+
+    /// [`SceneArgs::prepare`] of a scene that was loaded as these arguments say.
+    pub(crate) fn prepare_loaded(&self, mut scene: Scene) -> Result<(Scene, PosedCamera), Failure> {
+        self.animate(&mut scene)?;
         if scene.meshes().next().is_none() && self.floor.is_none() {
             return Err(Failure::Other(format!(
                 "'{}' has no mesh: there is nothing to see",
@@ -107,6 +135,25 @@ impl SceneArgs {
         }
         let camera = self.camera(&scene, &framed_bounds)?;
         Ok((scene, camera))
+    }
+
+    /// Shows the animation that was asked for at the time that was asked for.
+    fn animate(&self, scene: &mut Scene) -> Result<(), Failure> {
+        let Some(seconds) = self.time else { return Ok(()) };
+        let names = || {
+            let names =
+                scene.animations().map(|(_, animation)| format!("'{}'", animation.name.escape_debug()));
+            names.collect::<Vec<_>>().join(", ")
+        };
+        let first = scene.animations().next().map(|(key, _)| key);
+        let first = first.ok_or_else(|| Failure::Usage("--time: the scene has no animation".into()))?;
+        let animation = match &self.animation {
+            None => first,
+            Some(name) => scene.find_animation(name).ok_or_else(|| {
+                Failure::Usage(format!("no animation is called '{name}' (there are: {})", names()))
+            })?,
+        };
+        Ok(scene.animate(animation, seconds).map_err(RenderError::from)?)
     }
 
     fn camera(&self, scene: &Scene, framed_bounds: &Aabb) -> Result<PosedCamera, Failure> {

@@ -52,7 +52,7 @@ pub(crate) fn with_floor() -> Scene {
     let mesh = scene.add_mesh_data(Arc::new(quad("floor", 10.0)));
     let material = scene.add_material(Material::default());
     let shadow = ShadowFlags { casts: false, receives: true };
-    let node = MeshNode { mesh, materials: vec![material], shadow };
+    let node = MeshNode { shadow, ..MeshNode::new(mesh, material) };
     scene.add(None, "floor", DAffine3::IDENTITY, Content::Mesh(node));
     scene
 }

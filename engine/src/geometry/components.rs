@@ -6,6 +6,7 @@
 
 use glam::{DAffine3, Vec3};
 
+use super::topology::Tables;
 use super::{EdgeUse, Topology};
 use crate::math::{Aabb, orient_sign};
 
@@ -86,17 +87,17 @@ impl<'a> Orientation<'a> {
 ///
 /// Edges with two uses connect. At an edge with more, several sheets meet, and only those connect that are not
 /// balanced there by themselves: two boxes with a common edge stay two, three leaves of a book are one.
-pub(super) fn connect(topology: &Topology) -> Vec<Option<u32>> {
-    let triangle_count = topology.triangles().len();
+pub(super) fn connect(tables: &Tables) -> Vec<Option<u32>> {
+    let triangle_count = tables.corners.len();
     let mut sheets = DisjointSets::new(triangle_count);
-    for edge in 0..topology.edges().len() {
-        if let [a, b] = topology.uses(edge) {
+    for edge in 0..tables.edges().len() {
+        if let [a, b] = tables.uses(edge) {
             sheets.join(a.triangle, b.triangle);
         }
     }
     let sheet_of: Vec<u32> = (0..triangle_count as u32).map(|triangle| sheets.root(triangle)).collect();
-    for edge in (0..topology.edges().len()).filter(|edge| topology.uses(*edge).len() > 2) {
-        let open = unbalanced(topology.uses(edge), |triangle| Some(sheet_of[triangle as usize]));
+    for edge in (0..tables.edges().len()).filter(|edge| tables.uses(*edge).len() > 2) {
+        let open = unbalanced(tables.uses(edge), |triangle| Some(sheet_of[triangle as usize]));
         for pair in open.windows(2) {
             sheets.join(pair[0], pair[1]);
         }
@@ -115,7 +116,7 @@ pub(super) fn connect(topology: &Topology) -> Vec<Option<u32>> {
         }
         *slot
     };
-    topology.triangles().iter().enumerate().map(number).collect()
+    tables.corners.iter().enumerate().map(number).collect()
 }
 
 /// Measures every component.

@@ -1,13 +1,14 @@
 //! Validated triangle meshes.
 
 use std::ops::Range;
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use thiserror::Error;
 
-use super::Topology;
+use super::deformable;
+use super::{Influences, MorphTarget, Topology};
 use crate::math::Aabb;
 
 /// What a mesh is made from, before validation. Positions and indices are required; every other stream is either
@@ -28,6 +29,10 @@ pub struct MeshData {
     pub indices: Vec<u32>,
     /// Which triangles wear which material; left empty, one part covers all with slot 0.
     pub parts: Vec<Part>,
+    /// Which joints move each vertex, for meshes that are skinned.
+    pub influences: Vec<Influences>,
+    /// The shapes it can blend to.
+    pub morphs: Vec<MorphTarget>,
 }
 
 /// A run of triangles with one material.
@@ -59,6 +64,12 @@ pub enum MeshError {
         "mesh '{mesh}': parts must cover the {triangles} triangles in order without gaps; part {part} runs {start}..{end}"
     )]
     BadParts { mesh: String, part: usize, start: u32, end: u32, triangles: usize },
+    #[error(
+        "mesh '{mesh}': vertex {vertex} has a joint weight of {weight}; finite ones of at least 0 are needed"
+    )]
+    BadWeight { mesh: String, vertex: usize, weight: f32 },
+    #[error("mesh '{mesh}': morph target {target} has values that are not finite")]
+    BadMorph { mesh: String, target: usize },
     #[error("mesh '{mesh}': {count} {what} are more than the {limit} a mesh may have")]
     TooLarge { mesh: String, what: &'static str, count: usize, limit: usize },
 }
@@ -71,6 +82,9 @@ pub struct Mesh {
     id: u64,
     bounds: Aabb,
     topology: OnceLock<Topology>,
+    faceted: OnceLock<bool>,
+    /// The mesh that this one is a pose of.
+    rest: Option<Arc<Mesh>>,
 }
 
 /// The most vertices, and the most triangles, a mesh may have: indices doubled for extruded vertices stay in u32.
@@ -92,7 +106,45 @@ impl Mesh {
         }
         let bounds = Aabb::from_points(data.positions.iter().map(|p| p.as_dvec3()));
         let id = NEXT_ID.fetch_add(1, Ordering::Relaxed);
-        Ok(Self { data, id, bounds, topology: OnceLock::new() })
+        Ok(Self { data, id, bounds, topology: OnceLock::new(), faceted: OnceLock::new(), rest: None })
+    }
+
+    /// `rest` with its vertices elsewhere: a mesh of its own, whose topology is that of `rest` for as long as the
+    /// same vertices weld. A faceted mesh gets the new planes' normals, whatever `normals` are.
+    ///
+    /// # Errors
+    /// As [`Mesh::new`].
+    pub fn posed(rest: &Arc<Self>, positions: Vec<Vec3>, normals: Vec<Vec3>) -> Result<Self, MeshError> {
+        let faceted = rest.is_faceted();
+        let data = MeshData {
+            normals: if faceted { plane_normals(&positions, &rest.data.indices) } else { normals },
+            positions,
+            name: rest.data.name.clone(),
+            uvs: rest.data.uvs.clone(),
+            colors: rest.data.colors.clone(),
+            indices: rest.data.indices.clone(),
+            parts: rest.data.parts.clone(),
+            influences: Vec::new(),
+            morphs: Vec::new(),
+        };
+        Ok(Self { rest: Some(Arc::clone(rest)), ..Self::new(data)? })
+    }
+
+    /// The highest joint that a vertex follows; `None` for a mesh without influences.
+    pub fn highest_joint(&self) -> Option<usize> {
+        self.data.influences.iter().flat_map(Influences::joints).max().map(usize::from)
+    }
+
+    /// Whether no two triangles share a vertex and each has its own plane's normal, as meshes loaded without normals
+    /// do. Found on first use and kept.
+    pub fn is_faceted(&self) -> bool {
+        *self.faceted.get_or_init(|| {
+            let mut seen = vec![false; self.data.positions.len()];
+            let shared = |index: &u32| std::mem::replace(&mut seen[*index as usize], true);
+            !self.data.indices.is_empty()
+                && !self.data.indices.iter().any(shared)
+                && plane_normals(&self.data.positions, &self.data.indices) == self.data.normals
+        })
     }
 
     /// A number no other mesh of this process has; the key of everything cached about the mesh.
@@ -139,7 +191,10 @@ impl Mesh {
 
     /// Welded vertices, edges and closedness; computed on first use and kept.
     pub fn topology(&self) -> &Topology {
-        self.topology.get_or_init(|| Topology::new(&self.data.positions, &self.data.indices))
+        self.topology.get_or_init(|| match &self.rest {
+            Some(rest) => rest.topology().posed(&self.data.positions, &self.data.indices),
+            None => Topology::new(&self.data.positions, &self.data.indices),
+        })
     }
 }
 
@@ -170,6 +225,7 @@ fn validate(data: &MeshData) -> Result<(), MeshError> {
             return Err(MeshError::StreamLength { mesh: mesh(), stream, count, vertices });
         }
     }
+    deformable::validate(&data.name, vertices, &data.influences, &data.morphs)?;
     let mut expected_start = 0;
     for (part, Part { triangles: run, .. }) in data.parts.iter().enumerate() {
         let last = part + 1 == data.parts.len();
@@ -185,6 +241,17 @@ fn validate(data: &MeshData) -> Result<(), MeshError> {
         expected_start = run.end;
     }
     Ok(())
+}
+
+/// The normal of the last triangle at each vertex; +y where there is none, or no area.
+fn plane_normals(positions: &[Vec3], indices: &[u32]) -> Vec<Vec3> {
+    let mut normals = vec![Vec3::Y; positions.len()];
+    for corner in indices.chunks_exact(3) {
+        let [a, b, c] = [0, 1, 2].map(|i| positions[corner[i] as usize].as_dvec3());
+        let normal = (b - a).cross(c - a).normalize_or(DVec3::Y).as_vec3();
+        corner.iter().for_each(|vertex| normals[*vertex as usize] = normal);
+    }
+    normals
 }
 
 /// Area-weighted vertex normals; vertices without area get +y so that shading stays finite.

@@ -4,6 +4,7 @@
 mod chain;
 mod closure;
 mod components;
+mod deformable;
 mod layer_groups;
 mod layers;
 mod mesh;
@@ -13,6 +14,7 @@ mod topology;
 pub use chain::{Chain, facing_signs, restricted_signs};
 pub use closure::{Capped, LoopTooLong, MAX_CAPPED_EDGES, capped, doubled, open_loops};
 pub use components::{Component, Orientation};
+pub use deformable::{Influences, MorphTarget};
 pub use layer_groups::{CastTriangles, GroupMember, layer_groups, max_layers};
 pub use layers::LayerGrid;
 pub use mesh::{MAX_MESH_ELEMENTS, Mesh, MeshData, MeshError, Part};

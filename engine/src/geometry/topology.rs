@@ -14,6 +14,7 @@
 //! Everything is sorted, not hashed: the tables are the same on every machine and in every run.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -61,14 +62,22 @@ pub struct Closedness {
 /// The connectivity of a mesh.
 #[derive(Debug)]
 pub struct Topology {
-    corners: Vec<[u32; 3]>,
+    tables: Arc<Tables>,
+    components: Vec<Component>,
+    closedness: Closedness,
+}
+
+/// What depends on which vertices are one point, and on nothing else: poses of a mesh share it.
+#[derive(Debug)]
+pub(super) struct Tables {
+    /// For every vertex the lowest one at the same position.
+    representative: Vec<u32>,
+    pub(super) corners: Vec<[u32; 3]>,
     edges: Vec<Edge>,
     /// The uses of edge e are `uses[first_use[e]..first_use[e + 1]]`.
     first_use: Vec<u32>,
     uses: Vec<EdgeUse>,
     component_of: Vec<Option<u32>>,
-    components: Vec<Component>,
-    closedness: Closedness,
 }
 
 impl Topology {
@@ -77,22 +86,30 @@ impl Topology {
     /// # Panics
     /// When an index is out of range; a validated [`Mesh`](super::Mesh) has none.
     pub fn new(positions: &[Vec3], indices: &[u32]) -> Self {
+        Self::measured(Arc::new(Tables::new(weld(positions), indices)), positions)
+    }
+
+    /// The topology of the same triangles with vertices at `positions`: the tables are shared as long as exactly the
+    /// same vertices weld. Seams part where their two sides move differently, and vertices may meet.
+    ///
+    /// # Panics
+    /// As [`Topology::new`].
+    #[must_use]
+    pub fn posed(&self, positions: &[Vec3], indices: &[u32]) -> Self {
         let representative = weld(positions);
-        let corners: Vec<[u32; 3]> = indices
-            .chunks_exact(3)
-            .map(|corners| std::array::from_fn(|i| representative[corners[i] as usize]))
-            .collect();
-        let mut topology = Self {
-            edges: Vec::new(),
-            first_use: vec![0],
-            uses: Vec::with_capacity(corners.len() * 3),
-            component_of: Vec::new(),
-            components: Vec::new(),
-            closedness: Closedness::default(),
-            corners,
-        };
-        topology.build_edges();
-        topology.component_of = components::connect(&topology);
+        if representative == self.tables.representative {
+            return Self::measured(Arc::clone(&self.tables), positions);
+        }
+        Self::measured(Arc::new(Tables::new(representative, indices)), positions)
+    }
+
+    /// Whether the two share their tables: the same triangles over the same welded vertices, found once.
+    pub fn shares_tables(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.tables, &other.tables)
+    }
+
+    fn measured(tables: Arc<Tables>, positions: &[Vec3]) -> Self {
+        let mut topology = Self { tables, components: Vec::new(), closedness: Closedness::default() };
         topology.components = components::describe(&topology, positions);
         topology.closedness = topology.measure(positions);
         topology
@@ -100,7 +117,7 @@ impl Topology {
 
     /// Every edge, sorted by (p, q).
     pub fn edges(&self) -> &[Edge] {
-        &self.edges
+        &self.tables.edges
     }
 
     /// The uses of edge number `edge`, by ascending triangle.
@@ -108,23 +125,23 @@ impl Topology {
     /// # Panics
     /// When there is no such edge.
     pub fn uses(&self, edge: usize) -> &[EdgeUse] {
-        &self.uses[self.use_range(edge)]
+        self.tables.uses(edge)
     }
 
     /// The uses of all edges, one edge after another: with [`Topology::first_uses`] the CSR table as it goes to the
     /// GPU.
     pub fn all_uses(&self) -> &[EdgeUse] {
-        &self.uses
+        &self.tables.uses
     }
 
     /// For every edge the place of its first use in [`Topology::all_uses`], and the number of uses as last entry.
     pub fn first_uses(&self) -> &[u32] {
-        &self.first_use
+        &self.tables.first_use
     }
 
     /// The welded corners of every triangle, in the triangle's own order, as indices into the mesh's positions.
     pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.corners
+        &self.tables.corners
     }
 
     /// The component of `triangle`; `None` for collapsed triangles.
@@ -132,7 +149,7 @@ impl Topology {
     /// # Panics
     /// When there is no such triangle.
     pub fn component_of(&self, triangle: usize) -> Option<u32> {
-        self.component_of[triangle]
+        self.tables.component_of[triangle]
     }
 
     /// The connected components, by ascending first triangle.
@@ -163,6 +180,56 @@ impl Topology {
             let rounding = 1e-9 * (component.bounds.radius() + component.bounds.center().length());
             component.bounds.expanded(rounding).contains(point)
         })
+    }
+
+    fn measure(&self, positions: &[Vec3]) -> Closedness {
+        let mut closedness = Closedness {
+            components: self.components.len(),
+            signed_volume: self.components.iter().map(|component| component.signed_volume).sum(),
+            ..Closedness::default()
+        };
+        for edge in 0..self.edges().len() {
+            let uses = self.uses(edge);
+            let balance: i32 = uses.iter().map(|use_of| use_of.sigma).sum();
+            closedness.boundary_edges += usize::from(uses.len() == 1);
+            closedness.non_manifold_edges += usize::from(uses.len() > 2);
+            closedness.inconsistent_edges += usize::from(uses.len() == 2 && balance != 0);
+            closedness.unbalanced_edges += usize::from(balance != 0);
+        }
+        let has_no_area = |corners: &&[u32; 3]| {
+            let [a, b, c] = corners.map(|corner| positions[corner as usize].as_dvec3());
+            (b - a).cross(c - a) == glam::DVec3::ZERO
+        };
+        closedness.degenerate_triangles = self.triangles().iter().filter(has_no_area).count();
+        closedness
+    }
+}
+
+impl Tables {
+    fn new(representative: Vec<u32>, indices: &[u32]) -> Self {
+        let corners: Vec<[u32; 3]> = indices
+            .chunks_exact(3)
+            .map(|corners| std::array::from_fn(|i| representative[corners[i] as usize]))
+            .collect();
+        let mut tables = Self {
+            representative,
+            edges: Vec::new(),
+            first_use: vec![0],
+            uses: Vec::with_capacity(corners.len() * 3),
+            component_of: Vec::new(),
+            corners,
+        };
+        tables.build_edges();
+        tables.component_of = components::connect(&tables);
+        tables
+    }
+
+    pub(super) fn edges(&self) -> &[Edge] {
+        &self.edges
+    }
+
+    pub(super) fn uses(&self, edge: usize) -> &[EdgeUse] {
+        &self.uses[self.use_range(edge)]
     }
 
     fn use_range(&self, edge: usize) -> Range<usize> {
@@ -196,28 +263,6 @@ impl Topology {
         if !self.edges.is_empty() {
             self.first_use.push(self.uses.len() as u32);
         }
-    }
-
-    fn measure(&self, positions: &[Vec3]) -> Closedness {
-        let mut closedness = Closedness {
-            components: self.components.len(),
-            signed_volume: self.components.iter().map(|component| component.signed_volume).sum(),
-            ..Closedness::default()
-        };
-        for edge in 0..self.edges.len() {
-            let uses = self.uses(edge);
-            let balance: i32 = uses.iter().map(|use_of| use_of.sigma).sum();
-            closedness.boundary_edges += usize::from(uses.len() == 1);
-            closedness.non_manifold_edges += usize::from(uses.len() > 2);
-            closedness.inconsistent_edges += usize::from(uses.len() == 2 && balance != 0);
-            closedness.unbalanced_edges += usize::from(balance != 0);
-        }
-        let has_no_area = |corners: &&[u32; 3]| {
-            let [a, b, c] = corners.map(|corner| positions[corner as usize].as_dvec3());
-            (b - a).cross(c - a) == glam::DVec3::ZERO
-        };
-        closedness.degenerate_triangles = self.corners.iter().filter(has_no_area).count();
-        closedness
     }
 }
 

@@ -76,6 +76,39 @@ impl Accessors<'_> {
         self.read(accessor, purpose, component.size(), 0, budget, |bytes| unsigned_at(bytes, component))
     }
 
+    /// An accessor of four joints for each element.
+    pub(super) fn joints(
+        &self,
+        accessor: usize,
+        purpose: &'static str,
+        budget: &mut Budget,
+    ) -> Result<Vec<[u16; 4]>, GltfError> {
+        let (found, component) = kind(self.get(accessor, purpose)?, accessor, purpose)?;
+        if found != Type::Vec4 || !matches!(component, ComponentType::U8 | ComponentType::U16) {
+            let problem = format!("it is {found:?} of {component:?}; Vec4 of U8 or U16 is needed");
+            return Err(GltfError::Accessor { accessor, purpose, problem });
+        }
+        let size = component.size();
+        self.read(accessor, purpose, 4 * size, [0; 4], budget, |bytes| {
+            std::array::from_fn(|i| unsigned_at(&bytes[i * size..], component) as u16)
+        })
+    }
+
+    /// An accessor of 4×4 matrices of floats, column after column.
+    pub(super) fn matrices(
+        &self,
+        accessor: usize,
+        purpose: &'static str,
+        budget: &mut Budget,
+    ) -> Result<Vec<[f32; 16]>, GltfError> {
+        let (found, component) = kind(self.get(accessor, purpose)?, accessor, purpose)?;
+        if found != Type::Mat4 || component != ComponentType::F32 {
+            let problem = format!("it is {found:?} of {component:?}; Mat4 of F32 is needed");
+            return Err(GltfError::Accessor { accessor, purpose, problem });
+        }
+        self.floats::<16>(accessor, purpose, Integers::AsDeclared, budget)
+    }
+
     fn get(&self, accessor: usize, purpose: &'static str) -> Result<&json::Accessor, GltfError> {
         self.root.accessors.get(accessor).ok_or_else(|| GltfError::IndexOutOfRange {
             item: purpose.into(),

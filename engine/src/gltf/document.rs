@@ -14,7 +14,8 @@ use super::GltfError;
 use super::limits::{MAX_JSON_OBJECTS, Warnings};
 
 /// The extensions the loader understands; any other that a file requires is an error.
-const SUPPORTED_EXTENSIONS: [&str; 10] = [
+const SUPPORTED_EXTENSIONS: [&str; 11] = [
+    super::instancing::GPU_INSTANCING,
     "KHR_lights_punctual",
     "KHR_lights_shadows",
     "KHR_materials_emissive_strength",
@@ -26,6 +27,9 @@ const SUPPORTED_EXTENSIONS: [&str; 10] = [
     "KHR_xmp_json_ld",
     super::extension::SHADOW_NODE,
 ];
+
+/// The top-level sections, still as text.
+type Sections<'a> = BTreeMap<String, &'a RawValue>;
 
 /// Parses a top-level section; an absent one has its type's default value. A macro, since the trait bound it
 /// would need as a function belongs to a crate this one does not depend on.
@@ -45,6 +49,8 @@ pub(super) struct Document {
     /// Accessors, buffers, views, images, materials, meshes, samplers and textures; nothing else.
     pub(super) root: json::Root,
     pub(super) nodes: Vec<Value>,
+    pub(super) skins: Vec<Value>,
+    pub(super) animations: Vec<Value>,
     pub(super) scenes: Vec<Value>,
     pub(super) default_scene: Option<u64>,
     pub(super) cameras: Vec<Value>,
@@ -52,13 +58,19 @@ pub(super) struct Document {
 }
 
 impl Document {
+    /// The names of all scenes; empty ones for those without.
+    pub(super) fn scene_names(&self) -> Vec<String> {
+        let name = |scene: &Value| scene.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
+        self.scenes.iter().map(name).collect()
+    }
+
     pub(super) fn parse(bytes: &[u8], warnings: &mut Warnings) -> Result<Self, GltfError> {
         let objects = bytes.iter().filter(|byte| **byte == b'{').count() as u64;
         if objects > MAX_JSON_OBJECTS {
             let what = "objects of the JSON".into();
             return Err(GltfError::TooLarge { what, count: objects, limit: MAX_JSON_OBJECTS });
         }
-        let sections: BTreeMap<String, &RawValue> =
+        let sections: Sections<'_> =
             serde_json::from_slice(bytes).map_err(|error| unreadable("the document", &error))?;
 
         let asset: Value = section!(sections, "asset");
@@ -94,13 +106,12 @@ impl Document {
             ..json::Root::default()
         };
         relax(&mut root, warnings);
-        validate(&root)?;
-        if sections.contains_key("animations") {
-            warnings.add("animations are ignored");
-        }
+        validate(&root, &sections)?;
         Ok(Self {
             root,
             nodes: section!(sections, "nodes"),
+            skins: section!(sections, "skins"),
+            animations: section!(sections, "animations"),
             scenes: section!(sections, "scenes"),
             default_scene: section!(sections, "scene"),
             cameras: section!(sections, "cameras"),
@@ -110,7 +121,7 @@ impl Document {
 }
 
 /// The materials, by way of plain values.
-fn materials(sections: &BTreeMap<String, &RawValue>) -> Result<Vec<json::Material>, GltfError> {
+fn materials(sections: &Sections<'_>) -> Result<Vec<json::Material>, GltfError> {
     let mut materials: Vec<Value> = section!(sections, "materials");
     materials.iter_mut().for_each(strip_extras);
     serde_json::from_value(materials.into()).map_err(|error| unreadable("'materials'", &error))
@@ -149,7 +160,7 @@ fn relax(root: &mut json::Root, warnings: &mut Warnings) {
 }
 
 /// The gltf crate's validation: every index in range, every enumeration known, what is required there.
-fn validate(root: &json::Root) -> Result<(), GltfError> {
+fn validate(root: &json::Root, sections: &Sections<'_>) -> Result<(), GltfError> {
     // Its check of primitives takes the position accessor for granted, so that index is checked first.
     for (mesh, declaration) in root.meshes.iter().enumerate() {
         for primitive in &declaration.primitives {
@@ -170,10 +181,35 @@ fn validate(root: &json::Root) -> Result<(), GltfError> {
     let mut first = None;
     root.validate(root, json::Path::new, &mut |path, error| {
         if first.is_none() {
-            first = Some(GltfError::Invalid { path: path().0, problem: error.to_string().to_lowercase() });
+            let path = path().0;
+            let out_of_range = matches!(error, json::validation::Error::IndexOutOfBounds);
+            let said = out_of_range.then(|| out_of_range_at(&path, root, sections)).flatten();
+            let problem = said.unwrap_or_else(|| error.to_string().to_lowercase());
+            first = Some(GltfError::Invalid { path, problem });
         }
     });
     first.map_or(Ok(()), Err)
+}
+
+/// What is wrong with the index at `path` (as in `meshes[0].primitives[2].indices`): which it is, and how many things
+/// of its kind there are.
+fn out_of_range_at(path: &str, root: &json::Root, sections: &Sections<'_>) -> Option<String> {
+    let steps: Vec<&str> = path.split(['.', '[', ']', '"']).filter(|step| !step.is_empty()).collect();
+    let (section, rest) = steps.split_first()?;
+    let value: Value = serde_json::from_str(sections.get(*section)?.get()).ok()?;
+    let index = value.pointer(&format!("/{}", rest.join("/")))?.as_u64()?;
+    let inside_primitive = steps.contains(&"primitives");
+    let (kind, count) = match *rest.last()? {
+        "bufferView" => ("buffer views", root.buffer_views.len()),
+        "buffer" => ("buffers", root.buffers.len()),
+        "material" => ("materials", root.materials.len()),
+        "sampler" => ("samplers", root.samplers.len()),
+        "source" => ("images", root.images.len()),
+        "index" => ("textures", root.textures.len()),
+        _ if inside_primitive => ("accessors", root.accessors.len()),
+        _ => return None,
+    };
+    Some(format!("index {index} is out of bounds: the file has {count} {kind} (counted from 0)"))
 }
 
 /// What to do about a required extension that is not supported.
@@ -186,7 +222,6 @@ fn remedy(extension: &str) -> String {
         "KHR_texture_basisu" | "EXT_texture_webp" | "EXT_texture_avif" | "MSFT_texture_dds" => {
             "re-export with PNG or JPEG textures".into()
         }
-        "EXT_mesh_gpu_instancing" => "re-export with one node for each instance".into(),
         "KHR_materials_pbrSpecularGlossiness" => "convert its materials to metallic-roughness".into(),
         _ => format!("re-export without it (supported are {})", SUPPORTED_EXTENSIONS.join(", ")),
     }

@@ -66,6 +66,8 @@ pub enum GltfError {
     Content { item: String, problem: String },
     #[error("scene {scene} does not exist; the file has {count} (counted from 0)")]
     NoSuchScene { scene: usize, count: usize },
+    #[error("no scene is called '{name}'; the file has {known}")]
+    NoSuchSceneName { name: String, known: String },
     #[error("shadow node at {node}: {problem}")]
     ShadowNode { node: String, problem: String },
     #[error("shadow node at {node}: '{list}' names node {target}, {problem}")]

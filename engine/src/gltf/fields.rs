@@ -56,6 +56,14 @@ impl<'v> Item<'v> {
         }
     }
 
+    /// The objects of the array in `field`, seen as this item in errors; empty when the field is absent.
+    pub(super) fn objects(&self, field: &str) -> Result<Vec<Self>, GltfError> {
+        let Some(value) = self.get(field) else { return Ok(Vec::new()) };
+        let values = value.as_array().filter(|values| values.iter().all(Value::is_object));
+        let values = values.ok_or_else(|| self.wrong(field, "must be an array of JSON objects"))?;
+        Ok(values.iter().map(|value| Self { value, ..*self }).collect())
+    }
+
     pub(super) fn number(&self, field: &str) -> Result<Option<f64>, GltfError> {
         self.get(field)
             .map(|value| value.as_f64().ok_or_else(|| self.wrong(field, "must be a number")))

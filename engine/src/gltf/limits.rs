@@ -8,12 +8,16 @@ use std::collections::HashSet;
 
 use super::GltfError;
 
+/// The most instances of `EXT_mesh_gpu_instancing` in one file: each becomes a node.
+const MAX_INSTANCES: u64 = 1 << 18;
+
 /// What one load may still allocate.
 #[derive(Clone, Debug)]
 pub(super) struct Budget {
     bytes: u64,
     elements: u64,
     texels: u64,
+    instances: u64,
 }
 
 /// The most objects (counted as opening braces) the JSON may have; the parser spends some hundred bytes on each.
@@ -27,7 +31,7 @@ const MAX_TEXELS: u64 = 1 << 28;
 
 impl Default for Budget {
     fn default() -> Self {
-        Self { bytes: MAX_BYTES, elements: MAX_ELEMENTS, texels: MAX_TEXELS }
+        Self { bytes: MAX_BYTES, elements: MAX_ELEMENTS, texels: MAX_TEXELS, instances: MAX_INSTANCES }
     }
 }
 
@@ -51,6 +55,10 @@ impl Budget {
 
     pub(super) fn charge_elements(&mut self, count: u64) -> Result<(), GltfError> {
         charge(&mut self.elements, MAX_ELEMENTS, count, "vertices and indices of the whole file")
+    }
+
+    pub(super) fn charge_instances(&mut self, count: u64) -> Result<(), GltfError> {
+        charge(&mut self.instances, MAX_INSTANCES, count, "instances of the whole file")
     }
 
     pub(super) fn charge_texels(&mut self, count: u64) -> Result<(), GltfError> {

@@ -10,6 +10,7 @@ use json::validation::Checked;
 
 use super::GltfError;
 use super::accessors::{Accessors, Integers};
+use super::deformations::{self, BendStreams};
 use super::limits::{Budget, Warnings};
 use crate::geometry::{MAX_MESH_ELEMENTS, MeshData, Part};
 
@@ -21,12 +22,13 @@ pub(super) struct ReadMesh {
 }
 
 /// The accessors of a primitive's vertices. Primitives that share them share the vertices.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Streams {
     positions: usize,
     normals: Option<usize>,
     uvs: Option<usize>,
     colors: Option<usize>,
+    bend: BendStreams,
 }
 
 /// The run of vertices that a primitive's indices count from.
@@ -55,9 +57,6 @@ pub(super) fn read(
     let mut runs: HashMap<Streams, Run> = HashMap::new();
     let mut slots: HashMap<Option<usize>, usize> = HashMap::new();
     for (index, primitive) in declaration.primitives.iter().enumerate() {
-        if primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
-            warnings.add(format!("mesh {mesh}: morph targets are ignored"));
-        }
         let wrong = |problem: String| GltfError::Primitive { mesh, primitive: index, problem };
         let Checked::Valid(mode) = primitive.mode else { return Err(wrong("its mode is unknown".into())) };
         if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
@@ -70,10 +69,20 @@ pub(super) fn read(
             normals: stream(Semantic::Normals),
             uvs: stream(Semantic::TexCoords(0)),
             colors: stream(Semantic::Colors(0)),
+            bend: BendStreams::of(primitive, mesh, &wrong, warnings)?,
         };
+        let targets = streams.bend.target_count();
+        if read.data.parts.is_empty() {
+            read.data.morphs = deformations::targets(mesh, declaration, targets, budget)?;
+        } else if targets != read.data.morphs.len() {
+            let others = read.data.morphs.len();
+            return Err(wrong(format!(
+                "it has {targets} morph targets, the mesh's first primitive {others}"
+            )));
+        }
         let run = match runs.get(&streams) {
             Some(run) => *run,
-            None => append(accessors, streams, &mut read.data, budget, &wrong)?,
+            None => append(accessors, &streams, &mut read.data, budget, &wrong)?,
         };
         let triangles = triangles(accessors, primitive, mode, mesh, index, run.vertices, budget)?;
         let first = read.data.indices.len() / 3;
@@ -88,7 +97,7 @@ pub(super) fn read(
             let start = run.start as u32;
             read.data.indices.extend(triangles.iter().flatten().map(|vertex| start + vertex));
         } else {
-            budget.charge_elements(triangles.len() as u64 * 3)?;
+            budget.charge_elements(triangles.len() as u64 * 3 * (1 + read.data.morphs.len() as u64))?;
             unshare(&mut read.data, run, &triangles);
         }
         let material = primitive.material.map(|material| material.value());
@@ -112,12 +121,13 @@ fn pad(data: &mut MeshData, vertices: usize) {
     if !data.colors.is_empty() {
         data.colors.resize(vertices, Vec4::ONE);
     }
+    deformations::pad(data, vertices);
 }
 
 /// Appends a primitive's vertices.
 fn append(
     accessors: &Accessors<'_>,
-    streams: Streams,
+    streams: &Streams,
     data: &mut MeshData,
     budget: &mut Budget,
     wrong: &dyn Fn(String) -> GltfError,
@@ -155,6 +165,7 @@ fn append(
         }
         same_length("COLOR_0", data.colors.len() - start)?;
     }
+    streams.bend.append(accessors, start, data, budget, wrong)?;
     pad(data, start + vertices);
     Ok(Run { start, vertices })
 }
@@ -213,6 +224,11 @@ fn unshare(data: &mut MeshData, run: Run, triangles: &[[u32; 3]]) {
     gather(&mut data.positions, run.start, triangles);
     gather(&mut data.uvs, run.start, triangles);
     gather(&mut data.colors, run.start, triangles);
+    gather(&mut data.influences, run.start, triangles);
+    for target in &mut data.morphs {
+        gather(&mut target.positions, run.start, triangles);
+        gather(&mut target.normals, run.start, triangles);
+    }
     for corners in data.positions[run.start..].chunks_exact(3) {
         let [a, b, c] = [0, 1, 2].map(|i| corners[i].as_dvec3());
         let normal = (b - a).cross(c - a).try_normalize().map_or(Vec3::Y, |normal| normal.as_vec3());

@@ -3,31 +3,36 @@
 //! Loading takes nothing on trust: whatever the bytes, it ends with a scene or one [`GltfError`] that names the
 //! offending thing, without a panic and within bounded memory. The steps, one file each: the container is split
 //! (`container`), the JSON parsed and validated (`document`), buffers fetched (`buffers`, `uri`), and the nodes of
-//! one scene built (`nodes`) from `meshes` (through `accessors`), `materials`, `images`, lights and cameras
-//! (`punctual`) and shadow nodes (`extension`). `limits` bounds what a file may make us allocate.
+//! one scene built (`nodes`) from `meshes` (through `accessors`; influences and morph targets in `deformations`),
+//! `materials`, `images`, lights and cameras (`punctual`), shadow nodes (`extension`), `instancing`, and what moves all
+//! that (`animations`). `limits` bounds what a file may make us allocate.
 //!
 //! Besides the core, understood are `KHR_lights_punctual`, `KHR_materials_emissive_strength`, `_transmission`,
-//! `_unlit`, `KHR_texture_transform`, `KHR_mesh_quantization`, `KHR_node_visibility`, the flags of the proposed
-//! `KHR_lights_shadows` or of `extras`, and this project's [`SHADOW_NODE`]. Skins, morph targets and animations
-//! are left out with a warning.
+//! `_unlit`, `KHR_texture_transform`, `KHR_mesh_quantization`, `KHR_node_visibility`, `EXT_mesh_gpu_instancing`, the
+//! flags of the proposed `KHR_lights_shadows` or of `extras`, and this project's [`SHADOW_NODE`].
 
 mod accessors;
+mod animations;
 mod buffers;
 mod container;
+mod deformations;
 mod document;
 mod error;
 mod extension;
 mod fields;
 mod hierarchy;
 mod images;
+mod instancing;
 mod limits;
 mod materials;
 mod meshes;
 mod nodes;
 mod punctual;
 mod save;
+mod save_animations;
 mod save_materials;
 mod save_meshes;
+mod transforms;
 mod uri;
 
 use std::path::Path;
@@ -39,11 +44,23 @@ pub use save::{save, to_glb};
 use crate::scene::{NodeKey, Scene};
 use limits::{Budget, Warnings};
 
+/// Which scene of a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SceneChoice<'a> {
+    /// The document's default scene, else the first.
+    #[default]
+    Default,
+    /// By index.
+    Index(usize),
+    /// The first of this name.
+    Name(&'a str),
+}
+
 /// What to load of a file, and how strictly.
 #[derive(Clone, Copy, Default)]
 pub struct LoadOptions<'a> {
-    /// Which of the file's scenes; left out, its default scene, else the first.
-    pub scene: Option<usize>,
+    /// Which of the file's scenes.
+    pub scene: SceneChoice<'a>,
     /// Checks types and parameters of shadow nodes; left out, they are taken as they are.
     pub shadow_types: Option<&'a dyn ShadowTypes>,
 }
@@ -57,6 +74,10 @@ pub struct Loaded {
     pub warnings: Vec<String>,
     /// The scene's node for each glTF node; `None` for those outside the loaded scene.
     pub node_keys: Vec<Option<NodeKey>>,
+    /// The names of all scenes of the file; empty ones for those without.
+    pub scene_names: Vec<String>,
+    /// Which of them was loaded; `None` for a file without scenes.
+    pub scene_index: Option<usize>,
 }
 
 /// Loads the default scene of a `.gltf` or `.glb` file.
@@ -112,5 +133,11 @@ fn build(
     let accessors = accessors::Accessors { root: &document.root, buffers: &buffers };
     let mut builder = nodes::Builder::new(&document, accessors, base_dir, budget, warnings);
     let node_keys = builder.build(options.scene, options.shadow_types)?;
-    Ok(Loaded { scene: builder.scene, warnings: builder.warnings.into_texts(), node_keys })
+    Ok(Loaded {
+        node_keys,
+        scene_names: document.scene_names(),
+        scene_index: builder.scene_index,
+        scene: builder.scene,
+        warnings: builder.warnings.into_texts(),
+    })
 }

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat4, DQuat, DVec3};
+use glam::{DAffine3, DVec3};
 use serde_json::Value;
 
 use super::accessors::Accessors;
@@ -17,11 +17,12 @@ use super::fields::{Item, Switches};
 use super::hierarchy::Hierarchy;
 use super::images::Images;
 use super::limits::{Budget, Warnings};
-use super::{GltfError, ShadowTypes, materials, meshes, punctual};
+use super::transforms::transform;
+use super::{GltfError, SceneChoice, ShadowTypes, materials, meshes, punctual};
 use crate::geometry::Mesh;
 use crate::scene::{
     CameraKey, Content, ImageKey, LightKey, MaterialKey, MeshKey, MeshNode, NodeKey, Scene, ShadowFlags,
-    ShadowKey, ShadowNode, placed,
+    ShadowKey, ShadowNode,
 };
 
 /// A loaded glTF mesh: its shape, its materials by slot, and the shadow flags it states.
@@ -35,6 +36,7 @@ pub(super) struct Builder<'a> {
     pub(super) budget: Budget,
     pub(super) warnings: Warnings,
     pub(super) scene: Scene,
+    pub(super) scene_index: Option<usize>,
     meshes: HashMap<usize, MeshEntry>,
     materials: HashMap<Option<usize>, MaterialKey>,
     images: HashMap<usize, ImageKey>,
@@ -57,6 +59,7 @@ impl<'a> Builder<'a> {
             budget,
             warnings,
             scene: Scene::new(),
+            scene_index: None,
             meshes: HashMap::new(),
             materials: HashMap::new(),
             images: HashMap::new(),
@@ -65,10 +68,10 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Adds the nodes of scene `wanted` (the default one for `None`), and returns the keys by glTF node index.
+    /// Adds the nodes of scene `wanted`, and returns the keys by glTF node index.
     pub(super) fn build(
         &mut self,
-        wanted: Option<usize>,
+        wanted: SceneChoice<'_>,
         types: Option<&dyn ShadowTypes>,
     ) -> Result<Vec<Option<NodeKey>>, GltfError> {
         let document = self.document;
@@ -79,6 +82,7 @@ impl<'a> Builder<'a> {
         let order = hierarchy.preorder(roots);
         let mut keys: Vec<Option<NodeKey>> = vec![None; nodes.len()];
         let (mut has_light, mut has_mesh) = (vec![false; nodes.len()], vec![false; nodes.len()]);
+        let mut instanced = vec![false; nodes.len()];
         let mut shadows: Vec<(ShadowKey, usize)> = Vec::new();
         for &index in &order {
             let node = &nodes[index];
@@ -91,8 +95,11 @@ impl<'a> Builder<'a> {
                 }
             }
             let parent = hierarchy.parent(index).and_then(|parent| keys[parent]);
-            keys[index] = Some(self.add(node, parent, contents)?);
+            let key = self.add(node, parent, contents)?;
+            keys[index] = Some(key);
+            instanced[index] = self.spread(node, key)?;
         }
+        self.bend(&nodes, &order, &keys, &instanced)?;
         for &index in order.iter().rev() {
             if let Some(parent) = hierarchy.parent(index) {
                 has_light[parent] |= has_light[index];
@@ -119,21 +126,25 @@ impl<'a> Builder<'a> {
     /// The root nodes of the scene to load; also takes over its surroundings.
     fn roots(
         &mut self,
-        wanted: Option<usize>,
+        wanted: SceneChoice<'_>,
         hierarchy: &Hierarchy,
         nodes: usize,
     ) -> Result<Vec<usize>, GltfError> {
         let count = self.document.scenes.len();
         let default = self.document.default_scene.map(|scene| usize::try_from(scene).unwrap_or(usize::MAX));
-        let index = match wanted.or(default) {
-            Some(scene) if scene >= count => return Err(GltfError::NoSuchScene { scene, count }),
-            Some(scene) => scene,
-            None => 0,
+        let index = match wanted {
+            SceneChoice::Index(scene) => scene,
+            SceneChoice::Name(name) => self.scene_called(name)?,
+            SceneChoice::Default => default.unwrap_or(0),
         };
+        if index >= count && (wanted, default) != (SceneChoice::Default, None) {
+            return Err(GltfError::NoSuchScene { scene: index, count });
+        }
         let Some(value) = self.document.scenes.get(index) else {
             self.warnings.add("the file has no scene; nothing is shown");
             return Ok(Vec::new());
         };
+        self.scene_index = Some(index);
         let item = Item::new("scene", index, value)?;
         let roots = item.indices("nodes", "node", nodes)?;
         hierarchy.check_roots(index, &roots, &mut self.warnings)?;
@@ -148,6 +159,17 @@ impl<'a> Builder<'a> {
             }
         }
         Ok(roots)
+    }
+
+    fn scene_called(&self, name: &str) -> Result<usize, GltfError> {
+        let names = self.document.scene_names();
+        names.iter().position(|other| other == name).ok_or_else(|| {
+            let known = match names.len() {
+                0 => "none".into(),
+                _ => names.iter().map(|name| format!("'{name}'")).collect::<Vec<_>>().join(", "),
+            };
+            GltfError::NoSuchSceneName { name: name.into(), known }
+        })
     }
 
     /// Adds one glTF node.
@@ -184,11 +206,12 @@ impl<'a> Builder<'a> {
             let flags = switches.or(stated);
             let shadow =
                 ShadowFlags { casts: flags.casts.unwrap_or(true), receives: flags.receives.unwrap_or(true) };
-            contents.push(Content::Mesh(MeshNode { mesh, materials, shadow }));
-        }
-        if node.get("skin").is_some() {
-            self.warnings
-                .add(format!("{}: its skin is ignored, the mesh stays in its bind pose", node.label()));
+            let weights = self.weights(node, mesh)?;
+            contents.push(Content::Mesh(MeshNode {
+                shadow,
+                weights,
+                ..MeshNode::in_materials(mesh, materials)
+            }));
         }
         if let Some(punctual) = node.extension("KHR_lights_punctual") {
             let reference = Item::new("light reference of node", node.index, punctual)?;
@@ -211,6 +234,17 @@ impl<'a> Builder<'a> {
             contents.push(Content::Shadow(self.scene.add_shadow_data(ShadowNode::default())));
         }
         Ok(contents)
+    }
+
+    /// A node's own weights of its mesh's morph targets.
+    fn weights(&self, node: &Item<'_>, mesh: MeshKey) -> Result<Vec<f64>, GltfError> {
+        let Some(weights) = node.get("weights") else { return Ok(Vec::new()) };
+        let targets = self.scene.mesh(mesh).map_or(0, |mesh| mesh.data().morphs.len());
+        let numbers = weights.as_array().map(|all| all.iter().filter_map(Value::as_f64).collect::<Vec<_>>());
+        // Some exporters write an empty array for none.
+        numbers.filter(|weights| weights.len() == targets || weights.is_empty()).ok_or_else(|| {
+            node.wrong("weights", format!("must be {targets} numbers, one for each morph target"))
+        })
     }
 
     fn mesh(&mut self, index: usize) -> Result<MeshEntry, GltfError> {
@@ -266,29 +300,4 @@ fn stated_switches(mesh: &gltf::json::Mesh) -> Switches {
 
 fn items<'v>(kind: &'static str, values: &'v [Value]) -> Result<Vec<Item<'v>>, GltfError> {
     values.iter().enumerate().map(|(index, value)| Item::new(kind, index, value)).collect()
-}
-
-/// A node's transform, from its matrix or its translation, rotation and scale.
-fn transform(node: &Item<'_>) -> Result<DAffine3, GltfError> {
-    let wrong = |problem: &str| GltfError::Transform { node: node.label(), problem: problem.into() };
-    let translation = node.numbers("translation")?;
-    let rotation = node.numbers("rotation")?;
-    let scale = node.numbers("scale")?;
-    if let Some(matrix) = node.numbers::<16>("matrix")? {
-        if translation.is_some() || rotation.is_some() || scale.is_some() {
-            return Err(wrong("is given twice (a matrix, or translation, rotation and scale, are accepted)"));
-        }
-        if [matrix[3], matrix[7], matrix[11], matrix[15] - 1.0].iter().any(|x| x.abs() > 1e-6) {
-            return Err(wrong("is not affine (the matrix's last row must be 0 0 0 1)"));
-        }
-        return Ok(DAffine3::from_mat4(DMat4::from_cols_array(&matrix)));
-    }
-    let rotation = DQuat::from_array(rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
-    let length = rotation.length();
-    if !(length > 0.0 && length.is_finite()) {
-        return Err(wrong("has a rotation without direction (a unit quaternion is needed)"));
-    }
-    let scale = scale.map_or(DVec3::ONE, DVec3::from);
-    let translation = translation.map_or(DVec3::ZERO, DVec3::from);
-    Ok(placed(translation, rotation.normalize(), scale))
 }

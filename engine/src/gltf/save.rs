@@ -2,6 +2,8 @@
 //!
 //! Transforms, angles and ranges are written in f64 with all their digits, vertices bit by bit. What glTF has no
 //! place for (a light's name where it differs from its node's, ambient light and background) goes to `extras`.
+//!
+//! Nodes that animations move are saved as they rest, whatever is shown at the moment; the animations bring the rest.
 
 use std::collections::{BTreeMap, HashMap};
 use std::io::Write;
@@ -12,11 +14,11 @@ use serde_json::{Map, Value, json};
 use super::punctual::OWN_NAME;
 use super::save_materials::{Materials, gone};
 use super::save_meshes::{Binary, WrittenMesh};
-use super::{GltfError, SHADOW_NODE, extension};
+use super::{GltfError, SHADOW_NODE, extension, save_animations};
 use crate::math::Projection;
 use crate::scene::{
     Camera, CameraKey, Content, Light, LightKey, LightKind, MeshKey, MeshNode, Node, NodeKey, Scene,
-    ShadowFlags,
+    ShadowFlags, SkinKey,
 };
 
 /// Saves `scene` as a `.glb` file, whole or not at all: it is written beside `path` and then renamed.
@@ -101,6 +103,8 @@ struct Writer<'a> {
     meshes: Vec<Value>,
     lights: Vec<Value>,
     cameras: Vec<Value>,
+    skins: Vec<Value>,
+    written_skins: HashMap<SkinKey, usize>,
     written_shapes: HashMap<MeshKey, WrittenMesh>,
     written_meshes: HashMap<(MeshKey, Vec<usize>), usize>,
     written_lights: HashMap<(LightKey, String), usize>,
@@ -119,6 +123,8 @@ impl<'a> Writer<'a> {
             meshes: Vec::new(),
             lights: Vec::new(),
             cameras: Vec::new(),
+            skins: Vec::new(),
+            written_skins: HashMap::new(),
             written_shapes: HashMap::new(),
             written_meshes: HashMap::new(),
             written_lights: HashMap::new(),
@@ -130,12 +136,17 @@ impl<'a> Writer<'a> {
 
     fn node(&mut self, node: &Node) -> Result<Value, GltfError> {
         let mut value = json!({ "name": node.name });
-        let matrix = node.parent_from_local;
+        let parts = node.rest();
+        let matrix = parts.map_or(node.parent_from_local, |parts| parts.matrix());
         if !matrix.is_finite() {
             let what = format!("node '{}'", node.name);
             return Err(GltfError::Save { what, problem: "has a transform that is not finite".into() });
         }
-        if matrix != glam::DAffine3::IDENTITY {
+        if let Some(parts) = parts {
+            value["translation"] = json!(parts.translation.to_array());
+            value["rotation"] = json!(parts.rotation.to_array());
+            value["scale"] = json!(parts.scale.to_array());
+        } else if matrix != glam::DAffine3::IDENTITY {
             value["matrix"] = glam::DMat4::from(matrix).to_cols_array().to_vec().into();
         }
         if !node.children().is_empty() {
@@ -147,6 +158,17 @@ impl<'a> Writer<'a> {
             Content::Group => {}
             Content::Mesh(content) => {
                 value["mesh"] = self.mesh(content)?.into();
+                if let Some(skin) = content.skin {
+                    value["skin"] = self.skin(skin)?.into();
+                }
+                let weights = node.rest_weights().unwrap_or(&content.weights);
+                if !weights.iter().all(|weight| weight.is_finite()) {
+                    let what = format!("node '{}'", node.name);
+                    return Err(GltfError::Save { what, problem: "has weights that are not finite".into() });
+                }
+                if !weights.is_empty() {
+                    value["weights"] = json!(weights);
+                }
                 if content.shadow != ShadowFlags::default() {
                     let ShadowFlags { casts, receives } = content.shadow;
                     value["extras"] = json!({ "castShadow": casts, "receiveShadow": receives });
@@ -190,6 +212,16 @@ impl<'a> Writer<'a> {
         Ok(self.meshes.len() - 1)
     }
 
+    fn skin(&mut self, key: SkinKey) -> Result<usize, GltfError> {
+        if let Some(index) = self.written_skins.get(&key) {
+            return Ok(*index);
+        }
+        let skin = self.scene.skin(key).ok_or_else(|| gone("a skin"))?;
+        self.skins.push(save_animations::skin(skin, self.index_of, &mut self.binary)?);
+        self.written_skins.insert(key, self.skins.len() - 1);
+        Ok(self.skins.len() - 1)
+    }
+
     fn light(&mut self, key: LightKey, node: &str) -> Result<usize, GltfError> {
         let light = self.scene.light(key).ok_or_else(|| gone("a light"))?;
         if let Some(index) = self.written_lights.get(&(key, node.into())) {
@@ -225,6 +257,11 @@ impl<'a> Writer<'a> {
         if !roots.is_empty() {
             scene["nodes"] = roots.into();
         }
+        let binary = &mut self.binary;
+        let animations = self.scene.animations();
+        let animations: Vec<Value> = animations
+            .filter_map(|(_, animation)| save_animations::animation(animation, self.index_of, binary))
+            .collect();
         let mut used: Vec<&str> = std::mem::take(&mut self.materials.extensions);
         let mut root_extensions = Map::new();
         if !self.lights.is_empty() {
@@ -246,6 +283,8 @@ impl<'a> Writer<'a> {
             ("nodes", nodes),
             ("meshes", std::mem::take(&mut self.meshes)),
             ("cameras", std::mem::take(&mut self.cameras)),
+            ("skins", std::mem::take(&mut self.skins)),
+            ("animations", animations),
             ("materials", std::mem::take(&mut self.materials.materials)),
             ("textures", std::mem::take(&mut self.materials.textures)),
             ("samplers", std::mem::take(&mut self.materials.samplers)),

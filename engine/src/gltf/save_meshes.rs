@@ -4,9 +4,10 @@ use glam::{Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
 
 use super::GltfError;
-use crate::geometry::{Mesh, Part};
+use crate::geometry::{Influences, Mesh, MeshData, Part};
 
 const FLOAT: u32 = 5126;
+const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
@@ -21,9 +22,13 @@ pub(super) struct Binary {
 }
 
 /// The accessors of one engine mesh, shared by the primitives of every glTF mesh made from it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct WrittenMesh {
     attributes: Value,
+    /// The morph targets' accessors, names and weights.
+    targets: Vec<Value>,
+    target_names: Vec<String>,
+    weights: Vec<f32>,
     /// One index accessor for each part; parts without triangles have none.
     indices: Vec<Option<usize>>,
 }
@@ -44,7 +49,17 @@ impl Binary {
 
     /// Appends a vertex stream and returns its accessor.
     fn add_stream<const N: usize>(&mut self, kind: &str, values: impl Iterator<Item = [f32; N]>) -> usize {
-        let view = self.add_view(values.flatten().flat_map(f32::to_le_bytes), Some(ARRAY_BUFFER));
+        self.add_floats(kind, values, Some(ARRAY_BUFFER))
+    }
+
+    /// Appends floats for any purpose and returns their accessor.
+    pub(super) fn add_floats<const N: usize>(
+        &mut self,
+        kind: &str,
+        values: impl Iterator<Item = [f32; N]>,
+        target: Option<u32>,
+    ) -> usize {
+        let view = self.add_view(values.flatten().flat_map(f32::to_le_bytes), target);
         let count = self.views[view]["byteLength"].as_u64().unwrap_or(0) / (4 * N as u64);
         self.accessors
             .push(json!({ "bufferView": view, "componentType": FLOAT, "count": count, "type": kind }));
@@ -59,7 +74,7 @@ impl Binary {
             let position = self.add_stream("VEC3", [[0.0; 3]].into_iter());
             self.accessors[position]["min"] = json!([0.0, 0.0, 0.0]);
             self.accessors[position]["max"] = json!([0.0, 0.0, 0.0]);
-            return WrittenMesh { attributes: json!({ "POSITION": position }), indices: Vec::new() };
+            return WrittenMesh { attributes: json!({ "POSITION": position }), ..WrittenMesh::default() };
         }
         let position = self.add_stream("VEC3", data.positions.iter().map(Vec3::to_array));
         let start = data.positions[0];
@@ -75,10 +90,64 @@ impl Binary {
         if !data.colors.is_empty() {
             attributes["COLOR_0"] = self.add_stream("VEC4", data.colors.iter().map(Vec4::to_array)).into();
         }
+        if !data.influences.is_empty() {
+            self.add_influences(data, &mut attributes);
+        }
+        let targets = self.add_morphs(data);
         let bytes = data.indices.iter().flat_map(|index| index.to_le_bytes());
         let view = self.add_view(bytes, Some(ELEMENT_ARRAY_BUFFER));
         let indices = data.parts.iter().map(|part| self.add_indices(view, part)).collect();
-        WrittenMesh { attributes, indices }
+        WrittenMesh {
+            attributes,
+            targets,
+            target_names: data.morphs.iter().map(|morph| morph.name.clone()).collect(),
+            weights: data.morphs.iter().map(|morph| morph.weight).collect(),
+            indices,
+        }
+    }
+
+    /// Joints and weights in sets of four; the second set only where some vertex needs it.
+    fn add_influences(&mut self, data: &MeshData, attributes: &mut Value) {
+        let more = data.influences.iter().any(|influences| influences.weights()[4] != 0.0);
+        for set in 0..if more { 2 } else { 1 } {
+            let four = set * 4..set * 4 + 4;
+            let joints = |influences: &Influences| influences.joints()[four.clone()].to_vec();
+            let bytes = data.influences.iter().flat_map(joints).flat_map(u16::to_le_bytes);
+            let view = self.add_view(bytes, Some(ARRAY_BUFFER));
+            self.accessors.push(json!({
+                "bufferView": view, "componentType": UNSIGNED_SHORT, "count": data.influences.len(), "type": "VEC4",
+            }));
+            attributes[format!("JOINTS_{set}")] = (self.accessors.len() - 1).into();
+            let weights =
+                |influences: &Influences| std::array::from_fn(|i| influences.weights()[four.start + i]);
+            let weights = self.add_stream::<4>("VEC4", data.influences.iter().map(weights));
+            attributes[format!("WEIGHTS_{set}")] = weights.into();
+        }
+    }
+
+    /// Every morph target; glTF wants the bounds of displacements, as of positions.
+    fn add_morphs(&mut self, data: &MeshData) -> Vec<Value> {
+        let mut targets = Vec::with_capacity(data.morphs.len());
+        for morph in &data.morphs {
+            let mut target = json!({});
+            // A target without streams is none to glTF, so that one that moves nothing says so at length.
+            let still = morph.positions.is_empty() && morph.normals.is_empty();
+            let zeros = vec![Vec3::ZERO; if still { data.positions.len() } else { 0 }];
+            let positions = if still { &zeros } else { &morph.positions };
+            if let Some(start) = positions.first() {
+                let accessor = self.add_stream("VEC3", positions.iter().map(Vec3::to_array));
+                let min = positions.iter().fold(*start, |min, p| min.min(*p));
+                let max = positions.iter().fold(*start, |max, p| max.max(*p));
+                self.accessors[accessor]["min"] = json!(min.to_array());
+                self.accessors[accessor]["max"] = json!(max.to_array());
+                target["POSITION"] = accessor.into();
+            }
+            if !morph.normals.is_empty() {
+                target["NORMAL"] = self.add_stream("VEC3", morph.normals.iter().map(Vec3::to_array)).into();
+            }
+            targets.push(target);
+        }
+        targets
     }
 
     fn add_indices(&mut self, view: usize, part: &Part) -> Option<usize> {
@@ -107,13 +176,23 @@ impl WrittenMesh {
     /// The glTF mesh in these materials, one for each part.
     pub(super) fn in_materials(&self, name: &str, materials: &[usize]) -> Value {
         let primitive = |indices: Option<usize>, material: &usize| {
-            Some(json!({ "attributes": self.attributes, "indices": indices?, "material": material }))
+            let mut primitive =
+                json!({ "attributes": self.attributes, "indices": indices?, "material": material });
+            if !self.targets.is_empty() {
+                primitive["targets"] = self.targets.clone().into();
+            }
+            Some(primitive)
         };
         let mut primitives: Vec<Value> =
             self.indices.iter().zip(materials).filter_map(|(i, material)| primitive(*i, material)).collect();
         if primitives.is_empty() {
             primitives.push(json!({ "attributes": self.attributes, "mode": POINTS }));
         }
-        json!({ "name": name, "primitives": primitives })
+        let mut mesh = json!({ "name": name, "primitives": primitives });
+        if !self.targets.is_empty() {
+            mesh["weights"] = json!(self.weights);
+            mesh["extras"] = json!({ "targetNames": self.target_names });
+        }
+        mesh
     }
 }

@@ -5,7 +5,7 @@ use std::fmt;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 
-use super::{CameraKey, LightKey, MaterialKey, MeshKey, NodeKey, ShadowKey};
+use super::{CameraKey, LightKey, MaterialKey, MeshKey, NodeKey, ShadowKey, SkinKey};
 use crate::math::Projection;
 
 /// The one thing a node holds.
@@ -48,12 +48,21 @@ pub struct MeshNode {
     pub materials: Vec<MaterialKey>,
     /// Whether it casts and receives.
     pub shadow: ShadowFlags,
+    /// The joints that move it, for a mesh with influences. The node's own transform then says nothing.
+    pub skin: Option<SkinKey>,
+    /// The weights of the mesh's morph targets; empty for the mesh's own.
+    pub weights: Vec<f64>,
 }
 
 impl MeshNode {
     /// A mesh that casts and receives, all in one material.
     pub fn new(mesh: MeshKey, material: MaterialKey) -> Self {
-        Self { mesh, materials: vec![material], shadow: ShadowFlags::default() }
+        Self::in_materials(mesh, vec![material])
+    }
+
+    /// A mesh that casts and receives, in these materials.
+    pub fn in_materials(mesh: MeshKey, materials: Vec<MaterialKey>) -> Self {
+        Self { mesh, materials, shadow: ShadowFlags::default(), skin: None, weights: Vec::new() }
     }
 }
 

@@ -7,7 +7,9 @@ use slotmap::{SlotMap, new_key_type};
 use thiserror::Error;
 
 use super::content::look_at;
-use super::{Camera, Content, Image, Light, Material, MeshNode, ShadowNode};
+use super::deform::DeformCache;
+use super::playback::Rest;
+use super::{Animation, Camera, Content, Image, Light, Material, MeshNode, ShadowNode, Skin, Transform};
 use crate::geometry::Mesh;
 
 new_key_type! {
@@ -25,6 +27,10 @@ new_key_type! {
     pub struct CameraKey;
     /// A shadow node.
     pub struct ShadowKey;
+    /// A skin.
+    pub struct SkinKey;
+    /// An animation.
+    pub struct AnimationKey;
 }
 
 /// A node: a transform, one content, a parent and children.
@@ -38,6 +44,7 @@ pub struct Node {
     pub content: Content,
     /// Whether it and everything under it is drawn, shines and casts.
     pub visible: bool,
+    pub(super) rest: Option<Rest>,
     parent: Option<NodeKey>,
     children: Vec<NodeKey>,
 }
@@ -46,6 +53,16 @@ impl Node {
     /// The parent; `None` for a root.
     pub fn parent(&self) -> Option<NodeKey> {
         self.parent
+    }
+
+    /// How it stands while nothing is animated, for nodes that animations move or that were placed by their parts.
+    pub fn rest(&self) -> Option<&Transform> {
+        self.rest.as_ref().map(|rest| &rest.transform)
+    }
+
+    /// The weights of its mesh's morph targets while nothing is animated, for such nodes.
+    pub fn rest_weights(&self) -> Option<&[f64]> {
+        self.rest.as_ref().map(|rest| &rest.weights[..])
     }
 
     /// The children, in the order they were added.
@@ -62,10 +79,12 @@ pub enum SceneError {
     Missing { what: &'static str, key: String },
     #[error("node '{node}' cannot become a child of '{parent}', which is itself or lies under it")]
     Cycle { node: String, parent: String },
-    #[error("node '{node}': its transform is not finite")]
+    #[error("node '{node}': its transform is not finite, or places it beyond 1e18 m")]
     BadTransform { node: String },
     #[error("{what} '{name}': {problem}")]
     BadContent { what: &'static str, name: String, problem: String },
+    #[error("animations cannot be shown at {seconds} s (finite times are accepted)")]
+    BadTime { seconds: f64 },
 }
 
 /// A scene: a forest of nodes and what they hold.
@@ -73,7 +92,7 @@ pub enum SceneError {
 /// Every change of the scene gives it a new [`Scene::revision`]; two scenes with the same revision are the same.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    nodes: SlotMap<NodeKey, Node>,
+    pub(super) nodes: SlotMap<NodeKey, Node>,
     meshes: SlotMap<MeshKey, Arc<Mesh>>,
     materials: SlotMap<MaterialKey, Arc<Material>>,
     default_material: Arc<Material>,
@@ -81,6 +100,10 @@ pub struct Scene {
     lights: SlotMap<LightKey, Light>,
     cameras: SlotMap<CameraKey, Camera>,
     shadows: SlotMap<ShadowKey, ShadowNode>,
+    pub(super) skins: SlotMap<SkinKey, Skin>,
+    pub(super) animations: SlotMap<AnimationKey, Animation>,
+    /// Bent meshes of recent poses; shared by clones, since equal poses are equal whoever asks.
+    pub(super) deformed: Arc<DeformCache>,
     roots: Vec<NodeKey>,
     ambient: Vec3,
     background: Vec3,
@@ -150,6 +173,9 @@ impl Scene {
             lights: SlotMap::with_key(),
             cameras: SlotMap::with_key(),
             shadows: SlotMap::with_key(),
+            skins: SlotMap::with_key(),
+            animations: SlotMap::with_key(),
+            deformed: Arc::default(),
             roots: Vec::new(),
             ambient: Vec3::splat(0.06),
             background: Vec3::new(0.02, 0.024, 0.03),
@@ -189,7 +215,7 @@ impl Scene {
         &self.default_material
     }
 
-    fn touch(&mut self) {
+    pub(super) fn touch(&mut self) {
         self.revision = next_revision();
     }
 
@@ -235,6 +261,7 @@ impl Scene {
             parent_from_local,
             content,
             visible: true,
+            rest: None,
             parent,
             children: Vec::new(),
         };
@@ -360,7 +387,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Removes `key` and everything under it; what the nodes referred to stays until [`Scene::remove_unused`].
+    /// Removes `key` and everything under it, and the animation channels that moved it; what the nodes referred to
+    /// stays until [`Scene::remove_unused`].
     ///
     /// # Errors
     /// [`SceneError::Missing`] when the node is gone already.
@@ -373,14 +401,19 @@ impl Scene {
         for key in self.subtree(key) {
             self.nodes.remove(key);
         }
+        for animation in self.animations.values_mut() {
+            animation.channels.retain(|channel| self.nodes.contains_key(channel.node));
+        }
         Ok(())
     }
 
-    /// Removes every mesh, light, camera and shadow node that no node holds.
+    /// Removes every mesh, skin, light, camera and shadow node that no node holds.
     pub fn remove_unused(&mut self) {
         self.touch();
         let contents: Vec<Content> = self.nodes.values().map(|node| node.content.clone()).collect();
         self.meshes.retain(|key, _| contents.iter().any(|c| matches!(c, Content::Mesh(m) if m.mesh == key)));
+        self.skins
+            .retain(|key, _| contents.iter().any(|c| matches!(c, Content::Mesh(m) if m.skin == Some(key))));
         self.lights.retain(|key, _| contents.contains(&Content::Light(key)));
         self.cameras.retain(|key, _| contents.contains(&Content::Camera(key)));
         self.shadows.retain(|key, _| contents.contains(&Content::Shadow(key)));

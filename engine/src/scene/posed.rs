@@ -7,11 +7,12 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, DVec4, Vec3};
 
+use super::deform::is_placed;
 use super::{
     AlphaMode, Camera, CameraKey, Content, Image, ImageKey, Light, LightKey, LightKind, Material, NodeKey,
     Scene, SceneError, Scope, ShadowFlags, ShadowKey, ShadowNode,
 };
-use crate::geometry::{Mesh, MeshData};
+use crate::geometry::Mesh;
 use crate::math::{Aabb, Projection, ViewFrustum};
 
 /// A mesh at its place in the world.
@@ -200,6 +201,7 @@ impl Scene {
     /// [`SceneError`] when a node's transform is not finite, a key leads nowhere, or a light or camera has values
     /// outside what its kind allows; the message names the node.
     pub fn pose(&self) -> Result<Posed, SceneError> {
+        self.deformed.begin_pose();
         let mut posed = Posed {
             instances: Vec::new(),
             lights: Vec::new(),
@@ -216,7 +218,7 @@ impl Scene {
         while let Some((key, world_from_parent)) = open.pop() {
             let Some(node) = self.node(key).filter(|node| node.visible) else { continue };
             let world_from_local = world_from_parent * node.parent_from_local;
-            if !world_from_local.is_finite() {
+            if !is_placed(&world_from_local) {
                 return Err(SceneError::BadTransform { node: node.name.clone() });
             }
             open.extend(node.children().iter().rev().map(|child| (*child, world_from_local)));
@@ -241,7 +243,7 @@ impl Scene {
                         })
                         .collect();
                     let lit = materials.iter().any(|material| !material.unlit);
-                    let (mesh, world_from_local) = flattened(mesh, world_from_local);
+                    let (mesh, world_from_local) = self.shaped(node, content, mesh, world_from_local)?;
                     let world_bounds = Aabb::from_points(
                         mesh.positions().iter().map(|p| world_from_local.transform_point3(p.as_dvec3())),
                     );
@@ -322,31 +324,6 @@ impl Scene {
         }
     }
 }
-
-/// A singular transform has no inverse, so the light has no place in the mesh's local space. Such a mesh is replaced
-/// by what the transform makes of it, placed by a translation.
-fn flattened(mesh: &Arc<Mesh>, world_from_local: DAffine3) -> (Arc<Mesh>, DAffine3) {
-    let linear = world_from_local.matrix3;
-    let size = linear.x_axis.length() * linear.y_axis.length() * linear.z_axis.length();
-    if linear.determinant().abs() > SINGULAR * size {
-        return (Arc::clone(mesh), world_from_local);
-    }
-    let center = mesh.bounds().transformed(&world_from_local).center().as_vec3().as_dvec3();
-    let world = |p: &Vec3| (world_from_local.transform_point3(p.as_dvec3()) - center).as_vec3();
-    let data = MeshData {
-        normals: Vec::new(),
-        positions: mesh.positions().iter().map(world).collect(),
-        ..mesh.data().clone()
-    };
-    match Mesh::new(data) {
-        Ok(flat) => (Arc::new(flat), DAffine3::from_translation(center)),
-        // Positions that left the finite range are found by the caller.
-        Err(_) => (Arc::clone(mesh), world_from_local),
-    }
-}
-
-/// A determinant below this fraction of the product of its columns' lengths counts as zero.
-const SINGULAR: f64 = 1e-7;
 
 /// The hash behind [`Instance::pose_key`].
 fn pose_key(mesh_id: u64, world_from_local: &DAffine3) -> u64 {

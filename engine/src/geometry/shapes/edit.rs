@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
-use crate::geometry::{MeshData, Part};
+use crate::geometry::{MeshData, MorphTarget, Part};
 
 /// Changing shapes before they become meshes.
 impl MeshData {
@@ -28,6 +28,15 @@ impl MeshData {
             let turned = (cofactors * normal.as_dvec3()).normalize_or(DVec3::Y);
             *normal = (if mirrored { -turned } else { turned }).as_vec3();
         }
+        for target in &mut self.morphs {
+            for moved in &mut target.positions {
+                *moved = transform.transform_vector3(moved.as_dvec3()).as_vec3();
+            }
+            // A difference of normals has no length of its own to keep; the plain turn is right for rigid transforms.
+            for moved in &mut target.normals {
+                *moved = transform.transform_vector3(moved.as_dvec3()).as_vec3();
+            }
+        }
         if mirrored {
             for corners in self.indices.chunks_exact_mut(3) {
                 corners.swap(1, 2);
@@ -48,7 +57,7 @@ impl MeshData {
         for corners in self.indices.chunks_exact_mut(3) {
             corners.swap(1, 2);
         }
-        for normal in &mut self.normals {
+        for normal in self.normals.iter_mut().chain(self.morphs.iter_mut().flat_map(|t| &mut t.normals)) {
             *normal = -*normal;
         }
         self
@@ -69,6 +78,16 @@ impl MeshData {
             normals: positions.chunks_exact(3).flat_map(plane_normal).collect(),
             uvs: unshared(&self.uvs, &self.indices),
             colors: unshared(&self.colors, &self.indices),
+            influences: unshared(&self.influences, &self.indices),
+            morphs: self
+                .morphs
+                .iter()
+                .map(|target| MorphTarget {
+                    positions: unshared(&target.positions, &self.indices),
+                    normals: Vec::new(),
+                    ..target.clone()
+                })
+                .collect(),
             indices: (0..positions.len() as u32).collect(),
             positions,
             ..self
@@ -76,22 +95,25 @@ impl MeshData {
     }
 
     /// Several shapes as one mesh. Material slots stay what they are; a stream that one shape lacks (normals aside,
-    /// which every shape here has) is dropped from all.
+    /// which every shape here has) is dropped from all, and so are morph targets.
     #[must_use]
     pub fn merged(name: &str, shapes: impl IntoIterator<Item = Self>) -> Self {
         let mut all = Self { name: name.into(), ..Self::default() };
         let (mut has_uvs, mut has_colors, mut has_normals, mut has_parts) = (true, true, true, false);
+        let mut has_influences = true;
         for shape in shapes {
             let (first, first_triangle) = (all.positions.len() as u32, all.indices.len() as u32 / 3);
             let triangles = shape.indices.len() as u32 / 3;
             has_normals &= shape.normals.len() == shape.positions.len();
             has_uvs &= shape.uvs.len() == shape.positions.len();
             has_colors &= shape.colors.len() == shape.positions.len();
+            has_influences &= shape.influences.len() == shape.positions.len();
             has_parts |= !shape.parts.is_empty();
             all.positions.extend(shape.positions);
             all.normals.extend(shape.normals);
             all.uvs.extend(shape.uvs);
             all.colors.extend(shape.colors);
+            all.influences.extend(shape.influences);
             all.indices.extend(shape.indices.iter().map(|index| first + index));
             let whole = Part { triangles: 0..triangles, material_slot: 0 };
             let parts = if shape.parts.is_empty() { vec![whole] } else { shape.parts };
@@ -104,6 +126,7 @@ impl MeshData {
         all.normals.truncate(keep(has_normals));
         all.uvs.truncate(keep(has_uvs));
         all.colors.truncate(keep(has_colors));
+        all.influences.truncate(keep(has_influences));
         all.parts.truncate(keep(has_parts));
         all
     }

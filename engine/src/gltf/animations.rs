@@ -1,0 +1,230 @@
+//! Skins and animations: what moves the nodes and bends the meshes.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat4};
+
+use super::GltfError;
+use super::accessors::{Accessors, Integers};
+use super::fields::Item;
+use super::limits::{Budget, Warnings};
+use super::nodes::Builder;
+use super::transforms::parts;
+use crate::scene::{Animation, Channel, Content, Interpolation, NodeKey, Property, Skin, Track};
+
+impl Builder<'_> {
+    /// Reads what moves nodes and bends meshes, once every node has its key.
+    pub(super) fn bend(
+        &mut self,
+        nodes: &[Item<'_>],
+        order: &[usize],
+        keys: &[Option<NodeKey>],
+        instanced: &[bool],
+    ) -> Result<(), GltfError> {
+        let document = self.document;
+        let mut reader = Reader {
+            accessors: &self.accessors,
+            budget: &mut self.budget,
+            warnings: &mut self.warnings,
+            keys,
+            instanced,
+        };
+        let mut skins = HashMap::new();
+        for &index in order.iter().filter(|index| !instanced[**index]) {
+            let node = &nodes[index];
+            let Some(skin) = node.index("skin", "skin", document.skins.len())? else { continue };
+            let Some(key) = keys[index] else { continue };
+            let Some(Content::Mesh(mut content)) = self.scene.node(key).map(|node| node.content.clone())
+            else {
+                reader.warnings.add(format!("{}: a skin without a mesh is ignored", node.label()));
+                continue;
+            };
+            let highest = self.scene.mesh(content.mesh).and_then(|mesh| mesh.highest_joint());
+            let Some(highest) = highest else {
+                reader
+                    .warnings
+                    .add(format!("{}: its skin is ignored, since no vertex names a joint", node.label()));
+                continue;
+            };
+            let skin_key = match skins.get(&skin) {
+                Some(key) => *key,
+                None => {
+                    let item = Item::new("skin", skin, &document.skins[skin])?;
+                    let bad = |problem: String| GltfError::Content { item: item.label(), problem };
+                    let added =
+                        self.scene.add_skin(reader.skin(&item)?).map_err(|error| bad(error.to_string()))?;
+                    skins.insert(skin, added);
+                    added
+                }
+            };
+            let joints = self.scene.skin(skin_key).map_or(0, |skin| skin.joints.len());
+            if highest >= joints {
+                let (item, field) = (node.label(), "skin".into());
+                let problem = format!(
+                    "{skin} has {joints} joints, but a vertex names joint {highest} (counted from 0)"
+                );
+                return Err(GltfError::Field { item, field, problem });
+            }
+            content.skin = Some(skin_key);
+            if let Some(node) = self.scene.node_mut(key) {
+                node.content = Content::Mesh(content);
+            }
+        }
+        let index_of: HashMap<NodeKey, usize> =
+            order.iter().filter_map(|index| Some((keys[*index]?, *index))).collect();
+        for (index, value) in document.animations.iter().enumerate() {
+            let item = Item::new("animation", index, value)?;
+            let Some(animation) = reader.animation(&item)? else { continue };
+            for channel in &animation.channels {
+                // Parts as they stand in the file, not as they are found again in a matrix.
+                let Some(&index) = index_of.get(&channel.node) else { continue };
+                if self.scene.node(channel.node).is_some_and(|node| node.rest().is_none())
+                    && let Some(parts) = parts(&nodes[index])?
+                {
+                    let bad = |problem: String| GltfError::Content { item: item.label(), problem };
+                    self.scene.set_transform(channel.node, parts).map_err(|error| bad(error.to_string()))?;
+                }
+            }
+            let bad = |problem: String| GltfError::Content { item: item.label(), problem };
+            self.scene.add_animation(animation).map_err(|error| bad(error.to_string()))?;
+        }
+        Ok(())
+    }
+}
+
+/// What skins and animations are read with.
+struct Reader<'r, 'a> {
+    accessors: &'r Accessors<'a>,
+    budget: &'r mut Budget,
+    warnings: &'r mut Warnings,
+    /// The scene's node, for glTF nodes that are in the scene.
+    keys: &'r [Option<NodeKey>],
+    /// Whether a node's mesh was spread over instances.
+    instanced: &'r [bool],
+}
+
+impl Reader<'_, '_> {
+    /// Reads a skin, all of whose joints must be in the scene.
+    fn skin(&mut self, item: &Item<'_>) -> Result<Skin, GltfError> {
+        let content = |problem: String| GltfError::Content { item: item.label(), problem };
+        let joints = item.indices("joints", "node", self.keys.len())?;
+        if joints.is_empty() {
+            return Err(content("it has no joints (at least 1 is needed)".into()));
+        }
+        let key = |joint: &usize| {
+            self.keys[*joint].ok_or_else(|| {
+                content(format!(
+                    "joint node {joint} is not in the loaded scene (nodes of that scene are accepted)"
+                ))
+            })
+        };
+        let keys: Vec<NodeKey> = joints.iter().map(key).collect::<Result<_, _>>()?;
+        let accessors = self.accessors.root.accessors.len();
+        let Some(binds) = item.index("inverseBindMatrices", "accessor", accessors)? else {
+            return Ok(Skin::new(item.name().unwrap_or_default(), keys, Vec::new()));
+        };
+        let binds = self.accessors.matrices(binds, "inverseBindMatrices", self.budget)?;
+        if binds.len() < keys.len() {
+            return Err(content(format!(
+                "it has {} inverse bind matrices for {} joints",
+                binds.len(),
+                keys.len()
+            )));
+        }
+        let affine = |(joint, bind): (usize, [f32; 16])| {
+            let matrix = bind.map(f64::from);
+            if [matrix[3], matrix[7], matrix[11], matrix[15] - 1.0].iter().any(|x| x.abs() > 1e-5) {
+                let row = "0 0 0 1 is needed as its last row";
+                return Err(content(format!("inverse bind matrix {joint} is not affine ({row})")));
+            }
+            Ok(DAffine3::from_mat4(DMat4::from_cols_array(&matrix)))
+        };
+        let binds = binds.into_iter().take(keys.len()).enumerate().map(affine).collect::<Result<_, _>>()?;
+        Ok(Skin::new(item.name().unwrap_or_default(), keys, binds))
+    }
+
+    /// Reads an animation; `None` for one that moves nothing of the scene.
+    fn animation(&mut self, item: &Item<'_>) -> Result<Option<Animation>, GltfError> {
+        let samplers = item.objects("samplers")?;
+        let mut tracks: HashMap<(usize, Property), Arc<Track>> = HashMap::new();
+        let mut channels = Vec::new();
+        for channel in item.objects("channels")? {
+            let target = channel.inner("target")?.ok_or_else(|| channel.wrong("target", "is missing"))?;
+            let path = target.get("path").and_then(|path| path.as_str()).unwrap_or_default();
+            let property = match path {
+                "translation" => Property::Translation,
+                "rotation" => Property::Rotation,
+                "scale" => Property::Scale,
+                "weights" => Property::Weights,
+                _ => {
+                    let path: String = path.chars().take(40).collect();
+                    self.warnings.add(format!("{}: channels for '{path}' are ignored", item.label()));
+                    continue;
+                }
+            };
+            let sampler = channel.index("sampler", "sampler", samplers.len())?;
+            let sampler = sampler.ok_or_else(|| channel.wrong("sampler", "is missing"))?;
+            // Extensions may move other things than nodes.
+            let Some(node) = target.index("node", "node", self.keys.len())? else {
+                self.warnings.add(format!("{}: channels without a node are ignored", item.label()));
+                continue;
+            };
+            let Some(key) = self.keys[node] else { continue };
+            if property == Property::Weights && self.instanced[node] {
+                self.warnings.add(format!("{}: weights of instanced meshes are not animated", item.label()));
+                continue;
+            }
+            let track = match tracks.get(&(sampler, property)) {
+                Some(track) => Arc::clone(track),
+                None => {
+                    let track = Arc::new(self.track(item, sampler, &samplers[sampler], property)?);
+                    tracks.insert((sampler, property), Arc::clone(&track));
+                    track
+                }
+            };
+            channels.push(Channel { node: key, track });
+        }
+        let name = item.name().map_or_else(|| format!("animation{}", item.index), str::to_owned);
+        Ok((!channels.is_empty()).then_some(Animation { name, channels }))
+    }
+
+    fn track(
+        &mut self,
+        item: &Item<'_>,
+        index: usize,
+        sampler: &Item<'_>,
+        property: Property,
+    ) -> Result<Track, GltfError> {
+        let accessors = self.accessors.root.accessors.len();
+        let needed = |field: &str| {
+            sampler.index(field, "accessor", accessors)?.ok_or_else(|| sampler.wrong(field, "is missing"))
+        };
+        let (input, output) = (needed("input")?, needed("output")?);
+        let interpolation = match sampler.get("interpolation").map(|word| word.as_str()) {
+            None | Some(Some("LINEAR")) => Interpolation::Linear,
+            Some(Some("STEP")) => Interpolation::Step,
+            Some(Some("CUBICSPLINE")) => Interpolation::CubicSpline,
+            Some(_) => return Err(sampler.wrong("interpolation", "must be LINEAR, STEP or CUBICSPLINE")),
+        };
+        let (of, budget) = (self.accessors, &mut *self.budget);
+        let times = of.floats::<1>(input, "animation times", Integers::AsDeclared, budget)?;
+        let values = match property {
+            Property::Translation | Property::Scale => {
+                of.floats::<3>(output, "animation values", Integers::Normalized, budget)?.into_flattened()
+            }
+            Property::Rotation => {
+                of.floats::<4>(output, "animation values", Integers::Normalized, budget)?.into_flattened()
+            }
+            Property::Weights => {
+                of.floats::<1>(output, "animation values", Integers::Normalized, budget)?.into_flattened()
+            }
+        };
+        Track::new(property, interpolation, times.into_flattened(), values).map_err(|error| {
+            GltfError::Content {
+                item: format!("{}, sampler {index}", item.label()),
+                problem: error.to_string(),
+            }
+        })
+    }
+}
