@@ -19,7 +19,7 @@ use super::{Failure, other};
 const DEFAULT_FOV_Y_DEG: f64 = 45.0;
 
 /// What every command that looks at a scene accepts.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub(crate) struct SceneArgs {
     /// A .gltf or .glb file.
     pub(crate) scene: PathBuf,
@@ -78,6 +78,11 @@ pub(crate) fn load(path: &Path) -> Result<Scene, Failure> {
 }
 
 impl SceneArgs {
+    /// The scene as it is.
+    pub(crate) fn plain(scene: PathBuf) -> Self {
+        Self { scene, ..Self::default() }
+    }
+
     /// The scene with everything the arguments change, and the camera.
     pub(crate) fn prepare(&self) -> Result<(Scene, PosedCamera), Failure> {
         let mut scene = load(&self.scene)?;
