@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::data::{Outcome, Report};
 use super::html_scene;
-use super::scales::number;
+use super::scales::{count, number};
 use super::svg::{Svg, escaped};
 use super::{fit, plots, style, tables};
 
@@ -64,9 +64,14 @@ impl Cell {
         Self::Number(number(value))
     }
 
+    /// A whole number, every digit of it.
+    pub(super) fn count(value: usize) -> Self {
+        Self::Number(count(value))
+    }
+
     /// A count that ought to be 0.
-    pub(super) fn ought_be_zero(count: usize) -> Self {
-        if count == 0 { Self::Number("0".into()) } else { Self::Bad(number(count as f64)) }
+    pub(super) fn ought_be_zero(value: usize) -> Self {
+        if value == 0 { Self::count(0) } else { Self::Bad(count(value)) }
     }
 
     fn markup(&self) -> String {
@@ -152,22 +157,22 @@ fn all_scenes(page: &mut Page, report: &Report) {
         ),
         None => page.put(format_args!("<p class=\"soft\">Nothing was measured on scenes in this run.</p>")),
     }
-    let rows: Vec<Vec<Cell>> = tables::overview(report)
-        .into_iter()
+    let rows = tables::overview(report);
+    let cells: Vec<Vec<Cell>> = rows
+        .iter()
         .map(|row| {
             vec![
                 Cell::Text(row.label.clone()),
                 Cell::Number(format!("{} of {}", row.scenes, row.of)),
                 Cell::Number(format!("{:.2}", row.ratio)),
                 Cell::Number(format!("{:.2}–{:.2}", row.ratio_range[0], row.ratio_range[1])),
-                Cell::of(row.compared as f64),
-                Cell::of(row.wrong as f64),
+                Cell::count(row.compared),
+                Cell::count(row.wrong),
                 Cell::Number(percent(row.wrong, row.compared)),
                 Cell::ought_be_zero(row.wrong_outside_band),
                 Cell::of(row.rmse),
                 Cell::of(row.rmse_outside_band),
                 Cell::Number(mebibytes(row.gpu_bytes / row.scenes.max(1) as u64)),
-                Cell::Why(row.why.into()),
             ]
         })
         .collect();
@@ -183,10 +188,9 @@ fn all_scenes(page: &mut Page, report: &Report) {
         "RMSE",
         "RMSE out of band",
         "MiB, mean",
-        "what it is tried for",
     ];
     if !rows.is_empty() {
-        page.table("Every technique and setting, pixels summed over lights and scenes", &head, &rows);
+        page.table("Every technique and setting, pixels summed over lights and scenes", &head, &cells);
     }
     page.put(format_args!("<h3>The techniques</h3><dl>"));
     for [type_name, short_name, summary] in &report.techniques {
@@ -196,11 +200,15 @@ fn all_scenes(page: &mut Page, report: &Report) {
             format!(" Known error: {}.", escaped(known.trim_end_matches('.')))
         });
         page.put(format_args!(
-            "<dt>{} (<code>{}</code>)</dt><dd>{}.{known}</dd>",
+            "<dt>{} (<code>{}</code>)</dt><dd>{}.{known}",
             escaped(short_name),
             escaped(type_name),
             escaped(summary)
         ));
+        for row in rows.iter().filter(|row| row.short_name == *short_name) {
+            page.put(format_args!("<br><strong>{}</strong>: {}.", escaped(&row.label), escaped(row.why)));
+        }
+        page.put(format_args!("</dd>"));
     }
     page.put(format_args!("</dl></section>"));
 }
@@ -302,7 +310,7 @@ fn sweeps(page: &mut Page, report: &Report) {
                 Cell::Text(sweep.id.into()),
                 Cell::Text(name.clone()),
                 Cell::Number(format!("{} of {}", measured.len(), steps.len())),
-                Cell::of(wrong as f64),
+                Cell::count(wrong),
                 Cell::ought_be_zero(outside),
                 Cell::of(worst),
             ]);

@@ -4,7 +4,7 @@ use super::csv::params_text;
 use super::data::{Measurement, Outcome, Point, Report, SceneReport};
 use super::html::{Cell, Page, mebibytes, percent};
 use super::plots;
-use super::scales::number;
+use super::scales::{count, number};
 use super::svg::escaped;
 
 pub(super) fn scene(page: &mut Page, report: &Report, scene: &SceneReport) {
@@ -16,7 +16,7 @@ pub(super) fn scene(page: &mut Page, report: &Report, scene: &SceneReport) {
     page.put(format_args!(
         "<p class=\"facts\">{} triangles, {} light{}. Without shadows {} ms ({}–{}), {} rounds. Reference: {} s on the \
          processor.</p>",
-        number(scene.triangles as f64),
+        count(scene.triangles),
         scene.lights,
         if scene.lights == 1 { "" } else { "s" },
         number(scene.unshadowed_ms.median),
@@ -106,12 +106,12 @@ fn measured_row(point: &Point, measurement: &Measurement) -> Vec<Cell> {
         Cell::Number(format!("{:.2}", ratio.median)),
         Cell::Number(passes_ms.map_or("–".into(), number)),
         Cell::Number(mebibytes(measurement.gpu_bytes)),
-        Cell::of(totals.wrong as f64),
+        Cell::count(totals.wrong),
         Cell::Number(percent(totals.wrong, totals.compared)),
-        Cell::of(totals.leak as f64),
-        Cell::of(totals.false_shadow as f64),
+        Cell::count(totals.leak),
+        Cell::count(totals.false_shadow),
         Cell::ought_be_zero(totals.wrong_outside_band),
-        Cell::of(totals.band_pixels as f64),
+        Cell::count(totals.band_pixels),
         Cell::of(totals.rmse),
         Cell::of(totals.signed_mean),
         Cell::of(totals.p99),
@@ -193,14 +193,14 @@ fn behind(page: &mut Page, point: &Point, measurement: &Measurement) {
             vec![
                 Cell::Text(error.name.clone()),
                 Cell::Text(technique.clone()),
-                Cell::of(error.compared as f64),
-                Cell::of(error.different_triangle as f64),
-                Cell::of(error.wrong as f64),
-                Cell::of(error.leak as f64),
-                Cell::of(error.false_shadow as f64),
+                Cell::count(error.compared),
+                Cell::count(error.different_triangle),
+                Cell::count(error.wrong),
+                Cell::count(error.leak),
+                Cell::count(error.false_shadow),
                 Cell::ought_be_zero(error.wrong_outside_band),
-                Cell::of(error.band_pixels as f64),
-                Cell::of(error.boundary_pixels as f64),
+                Cell::count(error.band_pixels),
+                Cell::count(error.boundary_pixels),
                 Cell::of(error.rmse),
                 Cell::of(error.signed_mean),
                 Cell::of(error.p99),
@@ -237,8 +237,8 @@ fn behind(page: &mut Page, point: &Point, measurement: &Measurement) {
                 time(|ms| ms.median),
                 time(|ms| ms.lower),
                 time(|ms| ms.upper),
-                Cell::of(pass.draws as f64),
-                Cell::of(pass.vertices as f64),
+                Cell::count(pass.draws),
+                Cell::count(pass.vertices as usize),
                 Cell::Why(pass.reason.clone()),
             ]
         })

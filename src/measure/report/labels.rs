@@ -18,19 +18,31 @@ pub(super) struct Placed {
     pub(super) leader: Option<[f64; 2]>,
 }
 
-/// Height of a line of text, and the mean width of a letter, for the size that plots are set in.
+/// Height of a line of text, and the mean width of a bold letter, for the size that plots are set in.
 const LINE_PX: f64 = 13.0;
-const LETTER_PX: f64 = 6.2;
+const LETTER_PX: f64 = 7.2;
 /// Half the size of a mark, with a little air.
 const MARK_PX: f64 = 6.5;
 
+/// A rectangle that labels keep off.
 #[derive(Clone, Copy, Debug)]
-struct Box2 {
+pub(super) struct Box2 {
     min: [f64; 2],
     max: [f64; 2],
 }
 
 impl Box2 {
+    /// Of a mark.
+    pub(super) fn mark(at: [f64; 2]) -> Self {
+        Self::around(at, MARK_PX)
+    }
+
+    /// Of an upright or level line.
+    pub(super) fn line(from: [f64; 2], to: [f64; 2]) -> Self {
+        let min = [from[0].min(to[0]) - 1.0, from[1].min(to[1]) - 1.0];
+        Self { min, max: [from[0].max(to[0]) + 1.0, from[1].max(to[1]) + 1.0] }
+    }
+
     fn around([x, y]: [f64; 2], half: f64) -> Self {
         Self { min: [x - half, y - half], max: [x + half, y + half] }
     }
@@ -49,11 +61,10 @@ pub(super) fn width_px(text: &str) -> f64 {
     text.chars().count() as f64 * LETTER_PX
 }
 
-/// Finds a place for each label within the corners `bounds`: as near as possible, not over a mark of `marks`, not over
+/// Finds a place for each label within the corners `bounds`: as near as possible, over none of `obstacles`, not over
 /// another label. `None` for a label for which there is none: its point still says what it is when pointed at.
-pub(super) fn place(labels: &[Label], marks: &[[f64; 2]], bounds: [[f64; 2]; 2]) -> Vec<Option<Placed>> {
+pub(super) fn place(labels: &[Label], obstacles: &[Box2], bounds: [[f64; 2]; 2]) -> Vec<Option<Placed>> {
     let bounds = Box2 { min: bounds[0], max: bounds[1] };
-    let marks: Vec<Box2> = marks.iter().map(|mark| Box2::around(*mark, MARK_PX)).collect();
     let mut taken: Vec<Box2> = Vec::new();
     // Right, left, then the diagonals, above and below; further and further away.
     const DIRECTIONS: [[f64; 2]; 8] = [
@@ -80,7 +91,7 @@ pub(super) fn place(labels: &[Label], marks: &[[f64; 2]], bounds: [[f64; 2]; 2])
                     min: [left, near[1] - LINE_PX * 0.5],
                     max: [left + width, near[1] + LINE_PX * 0.5],
                 };
-                let is_free = !marks.iter().chain(&taken).any(|other| other.overlaps(&space));
+                let is_free = !obstacles.iter().chain(&taken).any(|other| other.overlaps(&space));
                 if is_free && space.is_within(&bounds) {
                     taken.push(space);
                     let leader = (distance > 20.0).then_some(near);
@@ -103,7 +114,8 @@ mod tests {
             .map(|i| Label { at: [250.0 + f64::from(i) * 2.0, 150.0], text: format!("label {i}") })
             .collect();
         let marks: Vec<[f64; 2]> = labels.iter().map(|label| label.at).collect();
-        let placed = place(&labels, &marks, [[0.0, 0.0], [560.0, 300.0]]);
+        let obstacles: Vec<Box2> = marks.iter().map(|mark| Box2::mark(*mark)).collect();
+        let placed = place(&labels, &obstacles, [[0.0, 0.0], [560.0, 300.0]]);
         let boxes: Vec<Box2> = placed
             .iter()
             .zip(&labels)

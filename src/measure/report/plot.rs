@@ -1,6 +1,6 @@
 //! A plot: a frame with two scales, a grid, series of points with their spread, and labels beside them.
 
-use super::labels::{Label, place, width_px};
+use super::labels::{Box2, Label, place, width_px};
 use super::scales::Scale;
 use super::svg::{Anchor, Svg};
 
@@ -66,7 +66,7 @@ pub(super) struct Plot {
     layout: Layout,
     x: Scale,
     y: Scale,
-    marks: Vec<[f64; 2]>,
+    obstacles: Vec<Box2>,
     labels: Vec<(Label, String)>,
 }
 
@@ -88,7 +88,7 @@ impl Plot {
             layout,
             x: scale(x, [LEFT, right], None),
             y: scale(y, [floor, TOP], zero_px),
-            marks: Vec::new(),
+            obstacles: Vec::new(),
             labels: Vec::new(),
         };
         plot.grid([right, floor, bottom]);
@@ -150,6 +150,7 @@ impl Plot {
         if path.len() > 1 {
             self.svg.path(class, &path);
         }
+        self.obstacles.extend(path.windows(2).map(|ends| Box2::line(ends[0], ends[1])));
     }
 
     /// A point with its spread; its label is placed when the plot is done.
@@ -160,11 +161,13 @@ impl Plot {
             let x = mark.x_spread.and_then(|spread| self.x.px(spread[end]));
             let y = mark.y_spread.and_then(|spread| self.y.px(spread[end]));
             if x.is_some() || y.is_some() {
-                self.svg.line(&format!("spread {color}"), at, [x.unwrap_or(at[0]), y.unwrap_or(at[1])]);
+                let to = [x.unwrap_or(at[0]), y.unwrap_or(at[1])];
+                self.svg.line(&format!("spread {color}"), at, to);
+                self.obstacles.push(Box2::line(at, to));
             }
         }
         self.svg.mark(&format!("mark {color} {}", mark.class), mark.shape, at, &mark.title);
-        self.marks.push(at);
+        self.obstacles.push(Box2::mark(at));
         if !mark.label.is_empty() {
             self.labels.push((Label { at, text: mark.label.clone() }, color));
         }
@@ -187,7 +190,7 @@ impl Plot {
     pub(super) fn finish(mut self) -> Svg {
         let bounds = [[LEFT + 2.0, TOP - 8.0], [self.layout.width - 2.0, self.layout.height - BOTTOM - 2.0]];
         let labels: Vec<Label> = self.labels.iter().map(|(label, _)| label.clone()).collect();
-        for ((label, color), placed) in self.labels.iter().zip(place(&labels, &self.marks, bounds)) {
+        for ((label, color), placed) in self.labels.iter().zip(place(&labels, &self.obstacles, bounds)) {
             let Some(placed) = placed else { continue };
             if let Some(end) = placed.leader {
                 self.svg.line("leader", label.at, end);

@@ -147,9 +147,10 @@ fn plane(points: &[PlanePoint]) -> Svg {
     };
     let y = AxisOf {
         title: ERROR_TITLE,
-        values: points.iter().map(|p| p.error).collect(),
+        // From one pixel in a hundred million to all of them wrong, so that planes look alike.
+        values: points.iter().map(|p| p.error).chain([1e-4, 1.0]).collect(),
         is_log: true,
-        least: 100.0,
+        least: 1.0,
     };
     let mut plot = Plot::new(Layout::LARGE, &x, &y, Some("exact"));
     let complete: Vec<&PlanePoint> = points.iter().filter(|p| p.is_complete).collect();
@@ -175,7 +176,9 @@ fn plane(points: &[PlanePoint]) -> Svg {
 /// Cost against the size of one thing.
 pub(super) fn cost(axis: &AxisReport) -> Svg {
     let medians = |steps: &[AxisStep]| axis_points(steps);
-    let times = axis.techniques.iter().flat_map(|(_, steps)| medians(steps)).map(|(_, ms)| ms);
+    let added = axis.techniques.iter().flat_map(|(_, steps)| steps);
+    let added = added.filter_map(|step| step.outcome.measured());
+    let spreads = axis.unshadowed_ms.iter().map(|(_, ms)| ms).chain(added);
     let x = AxisOf {
         title: axis.parameter,
         values: axis.unshadowed_ms.iter().map(|(value, _)| *value).collect(),
@@ -184,7 +187,7 @@ pub(super) fn cost(axis: &AxisReport) -> Svg {
     };
     let y = AxisOf {
         title: "ms",
-        values: axis.unshadowed_ms.iter().map(|(_, ms)| ms.median).chain(times).collect(),
+        values: spreads.flat_map(|ms| [ms.lower, ms.median, ms.upper]).collect(),
         is_log: true,
         least: 10.0,
     };

@@ -125,16 +125,26 @@ pub(super) fn number(value: f64) -> String {
     }
     let decimals = (2 - magnitude).clamp(0, 6) as usize;
     let text = trimmed(format!("{value:.decimals$}"));
-    let (whole, fraction) = text.split_once('.').map_or((text.as_str(), None), |(w, f)| (w, Some(f)));
+    match text.split_once('.') {
+        Some((whole, fraction)) => format!("{}.{fraction}", grouped(whole)),
+        None => grouped(&text),
+    }
+}
+
+/// A whole number for a reader, every digit of it.
+pub(super) fn count(count: usize) -> String {
+    grouped(&count.to_string())
+}
+
+fn grouped(whole: &str) -> String {
     let mut grouped = String::new();
     for (i, c) in whole.chars().enumerate() {
-        let left = whole.len() - i;
-        if i > 0 && left % 3 == 0 && whole.len() > 4 {
+        if i > 0 && (whole.len() - i) % 3 == 0 && whole.len() > 4 {
             grouped.push('\u{2009}');
         }
         grouped.push(c);
     }
-    fraction.map_or(grouped.clone(), |fraction| format!("{grouped}.{fraction}"))
+    grouped
 }
 
 fn trimmed(text: String) -> String {

@@ -45,11 +45,12 @@ pub(super) fn plot_rules() -> String {
          .zero{{fill:var(--zero)}}svg .tick{{fill:var(--soft);font-size:11px;font-variant-numeric:tabular-nums}}\
          svg .name{{fill:var(--ink);font-size:12px}}svg .remark{{fill:var(--soft);font-size:11px}}\
          .mark{{stroke:var(--paper);stroke-width:1}}.mark.end{{fill:var(--soft)}}\
-         .mark.hollow{{fill:var(--paper);stroke-width:1.6}}.mark.hollow.end{{stroke:var(--soft)}}\
+         \
          svg .label{{font-weight:600}}svg .label.end{{fill:var(--soft)}}\
          .line,.fit,.front{{fill:none;stroke-width:1.8}}.line.end{{stroke:var(--soft)}}.fit{{stroke-dasharray:5 4}}\
          .front{{stroke:var(--ink);stroke-width:1.2;stroke-dasharray:2 3}}.spread{{stroke-width:1.4;opacity:.65}}\
-         .spread.end{{stroke:var(--soft)}}.leader{{stroke:var(--line)}}{series}"
+         .spread.end{{stroke:var(--soft)}}.leader{{stroke:var(--line)}}{series}\
+         .mark.hollow{{fill:var(--paper);stroke-width:1.6}}.mark.hollow.end{{stroke:var(--soft)}}"
     )
 }
 
@@ -70,7 +71,7 @@ figure{margin:1rem 0;min-width:0}figcaption{color:var(--soft);font-size:.88rem;m
 table{border-collapse:collapse;font-size:.88rem;margin:.4rem 0}caption{text-align:left;color:var(--soft);padding:.2rem 0}\
 th,td{padding:.28rem .7rem .28rem 0;text-align:left;vertical-align:top;border-bottom:1px solid var(--grid)}\
 td.n,th.n{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}th{font-weight:600;border-bottom-color:var(--line);white-space:nowrap}\
-td.why{min-width:18rem}.bad{color:var(--bad)}.soft{color:var(--soft)}\
+td:first-child{white-space:nowrap}td.why{min-width:18rem}.bad{color:var(--bad)}.soft{color:var(--soft)}\
 .pictures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,16rem),1fr));gap:.6rem}.pictures figure{margin:.3rem 0}\
 img{display:block;width:100%;height:auto;border-radius:3px;background:var(--shade)}\
 details{margin:.5rem 0;border-left:3px solid var(--line);padding-left:.8rem}summary{cursor:pointer;font-weight:600}\
