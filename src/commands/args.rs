@@ -9,6 +9,12 @@ use shadowgraph::engine::scene::{ParamValue, Params};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Size(pub(crate) [u32; 2]);
 
+impl Default for Size {
+    fn default() -> Self {
+        Self([1280, 720])
+    }
+}
+
 impl FromStr for Size {
     type Err = String;
 

@@ -32,9 +32,14 @@ impl Outputs {
     /// Outputs that may not replace `input`.
     pub(crate) fn beside(input: &Path) -> Self {
         let mut outputs = Self::default();
-        // What cannot be found is not read either.
-        outputs.inputs.extend(input.canonicalize());
+        outputs.protect(input);
         outputs
+    }
+
+    /// Neither may they replace this.
+    pub(crate) fn protect(&mut self, input: &Path) {
+        // What cannot be found is not read either.
+        self.inputs.extend(input.canonicalize());
     }
 
     /// Checks that `path` can be written, before any time is spent on what goes there.

@@ -7,6 +7,7 @@ mod files;
 mod inspect;
 mod output;
 mod render;
+mod report;
 mod scenes;
 
 use std::process::ExitCode;
@@ -38,6 +39,11 @@ enum Command {
     Render(Box<render::RenderArgs>),
     /// Prints a scene's nodes, its casters' closedness and the frame plan with its reasons.
     Inspect(Box<inspect::InspectArgs>),
+    /// Measures every technique on a list of scenes: speed against error as pages, plots and tables.
+    ///
+    /// A technique that refuses a scene is shown as refused. What fails is listed in the report and does not stop the
+    /// rest; the exit code is then 1.
+    Report(Box<report::ReportArgs>),
     /// Renders the demo scenes and prints their speed and error.
     Demo(demo::DemoArgs),
     /// Writes the demo scenes as .glb files with shadow nodes.
@@ -81,10 +87,11 @@ pub(crate) fn run() -> ExitCode {
         Ok(cli) => match &cli.command {
             Some(Command::Render(args)) => render::run(args),
             Some(Command::Inspect(args)) => inspect::run(args),
+            Some(Command::Report(args)) => report::run(args),
             Some(Command::Demo(args)) => demo::run(args),
             Some(Command::Assets(args)) => assets::run(args),
             None => Err(Failure::Usage(
-                "a command is needed: render, inspect, demo or assets (see --help)".into(),
+                "a command is needed: render, inspect, report, demo or assets (see --help)".into(),
             )),
         },
         Err(asked) if matches!(asked.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {

@@ -7,6 +7,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Map, Value, json};
 use shadowgraph::engine::gpu::GpuError;
 use shadowgraph::engine::manager::Frame;
+use shadowgraph::engine::shadow::Catalog;
 use shadowgraph::measure::json::{error_json, spread_json};
 use shadowgraph::measure::pictures::PictureError;
 use shadowgraph::measure::timing::{Spread, Timed, time_frames};
@@ -43,8 +44,13 @@ pub(crate) struct RenderArgs {
     adapter: Option<String>,
 }
 
-/// Opens the adapter that was asked for and says which one it is.
+/// Opens the adapter that was asked for, with every technique, and says which one it is.
 pub(crate) fn open(adapter: Option<&str>) -> Result<Renderer, Failure> {
+    open_with(adapter, catalog())
+}
+
+/// [`open`] with the techniques of `catalog`.
+pub(crate) fn open_with(adapter: Option<&str>, catalog: Catalog) -> Result<Renderer, Failure> {
     let choice = adapter.map_or(AdapterChoice::Auto, |name| AdapterChoice::Named(name.into()));
     let gpu = Gpu::open(&choice).or_else(|error| match error {
         // Where there is none at all, the name is not what is wrong.
@@ -56,7 +62,7 @@ pub(crate) fn open(adapter: Option<&str>) -> Result<Renderer, Failure> {
         error => RenderError::from(error).into(),
     })?;
     note!("adapter: {}", gpu.name());
-    Ok(Renderer::new(gpu, catalog()))
+    Ok(Renderer::new(gpu, catalog))
 }
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {

@@ -19,7 +19,7 @@ use super::{Failure, other};
 const DEFAULT_FOV_Y_DEG: f64 = 45.0;
 
 /// What every command that looks at a scene accepts.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub(crate) struct SceneArgs {
     /// A .gltf or .glb file.
     pub(crate) scene: PathBuf,
@@ -100,6 +100,11 @@ pub(crate) fn load(path: &Path, which: Option<&str>) -> Result<Loaded, Failure> 
 }
 
 impl SceneArgs {
+    /// The scene as it is.
+    pub(crate) fn plain(scene: PathBuf) -> Self {
+        Self { scene, ..Self::default() }
+    }
+
     /// The scene with everything the arguments change, and the camera.
     pub(crate) fn prepare(&self) -> Result<(Scene, PosedCamera), Failure> {
         let loaded = load(&self.scene, self.which_scene.as_deref())?;

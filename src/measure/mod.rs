@@ -14,6 +14,7 @@ mod metrics;
 pub mod pictures;
 mod reference;
 mod render;
+pub mod report;
 mod surface;
 mod technique;
 pub mod timing;

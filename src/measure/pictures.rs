@@ -66,6 +66,19 @@ pub fn write_error_map(
     reference: &ReferenceImage,
     light: &str,
 ) -> Result<(), PictureError> {
+    write_bytes(path, &error_map_png(path, measured, reference, light)?)
+}
+
+/// What [`write_error_map`] writes; `path` says in errors what the picture is for.
+///
+/// # Errors
+/// [`PictureError`] names the path.
+pub fn error_map_png(
+    path: &Path,
+    measured: &Measured,
+    reference: &ReferenceImage,
+    light: &str,
+) -> Result<Vec<u8>, PictureError> {
     let missing = |picture| PictureError::MissingLight { path: path.into(), light: light.into(), picture };
     let (_, factor) =
         measured.lights.iter().find(|(name, _)| name == light).ok_or_else(|| missing("measured picture"))?;
@@ -93,27 +106,59 @@ pub fn write_error_map(
             _ => [(exact_factor * 70.0 + 20.0).max(0.0) as u8; 3],
         }
     };
-    let colors: Vec<u8> = (0..pixels).flat_map(color).collect();
-    let image = ImageBuffer::<Rgb<u8>, _>::from_raw(size_px[0], size_px[1], colors)
-        .ok_or_else(|| PictureError::Size { path: path.into(), count: factor.len(), size_px })?;
-    write(path, &DynamicImage::ImageRgb8(image), ImageFormat::Png)
+    rgb_png(path, size_px, (0..pixels).flat_map(color).collect())
+}
+
+/// The reference's factor of `light` as PNG, white where it is lit and coloured where it is; `path` says in errors what the picture is for.
+///
+/// # Errors
+/// [`PictureError`] names the path.
+pub fn factor_png(path: &Path, reference: &ReferenceImage, light: &str) -> Result<Vec<u8>, PictureError> {
+    let missing =
+        || PictureError::MissingLight { path: path.into(), light: light.into(), picture: "reference" };
+    let exact = reference.lights.iter().find(|l| l.name == light).ok_or_else(missing)?;
+    // NaN, where nothing is, becomes black.
+    let level = |factor: f32| (factor * 255.0).round() as u8;
+    let pixels = reference.hits.len();
+    let shades = (0..pixels).flat_map(|pixel| {
+        let mut channels = at(&exact.factor, pixels, pixel).map(level);
+        let red = channels.next().unwrap_or_default();
+        [red, channels.next().unwrap_or(red), channels.next().unwrap_or(red)]
+    });
+    rgb_png(path, reference.size_px, shades.collect())
+}
+
+fn rgb_png(path: &Path, size_px: [u32; 2], pixels: Vec<u8>) -> Result<Vec<u8>, PictureError> {
+    let count = pixels.len() / 3;
+    let image = ImageBuffer::<Rgb<u8>, _>::from_raw(size_px[0], size_px[1], pixels)
+        .ok_or_else(|| PictureError::Size { path: path.into(), count, size_px })?;
+    encode(path, &DynamicImage::ImageRgb8(image), ImageFormat::Png)
 }
 
 fn holds([width, height]: [u32; 2], count: usize) -> bool {
     width as usize * height as usize == count
 }
 
-/// Encodes in memory, writes beside the target, then moves into place.
-fn write(path: &Path, image: &DynamicImage, format: ImageFormat) -> Result<(), PictureError> {
+/// Encodes in memory.
+fn encode(path: &Path, image: &DynamicImage, format: ImageFormat) -> Result<Vec<u8>, PictureError> {
     let mut bytes = Cursor::new(Vec::new());
     image
         .write_to(&mut bytes, format)
         .map_err(|source| PictureError::Encode { path: path.into(), source })?;
+    Ok(bytes.into_inner())
+}
+
+fn write(path: &Path, image: &DynamicImage, format: ImageFormat) -> Result<(), PictureError> {
+    write_bytes(path, &encode(path, image, format)?)
+}
+
+/// Writes beside the target, then moves into place.
+fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), PictureError> {
     let mut name = std::ffi::OsString::from(".");
     name.push(path.file_name().unwrap_or_default());
     name.push(format!(".{}.part", std::process::id()));
     let part = path.with_file_name(name);
-    let written = fs::write(&part, bytes.into_inner()).and_then(|()| fs::rename(&part, path));
+    let written = fs::write(&part, bytes).and_then(|()| fs::rename(&part, path));
     written.map_err(|source| {
         // Nothing to be done about a remainder that cannot be removed either; the first error is the one to tell.
         let _ = fs::remove_file(&part);

@@ -1,0 +1,140 @@
+//! Labels beside their points, none over another.
+
+/// What is to be labelled.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Label {
+    /// The point.
+    pub(super) at: [f64; 2],
+    /// What stands beside it.
+    pub(super) text: String,
+}
+
+/// A label with its place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Placed {
+    /// Left end of the text's base line.
+    pub(super) at: [f64; 2],
+    /// Where a line from the point meets the text, where that is not obvious.
+    pub(super) leader: Option<[f64; 2]>,
+}
+
+/// Height of a line of text, and the mean width of a bold letter, for the size that plots are set in.
+const LINE_PX: f64 = 13.0;
+const LETTER_PX: f64 = 7.2;
+/// Half the size of a mark, with a little air.
+const MARK_PX: f64 = 6.5;
+
+/// A rectangle that labels keep off.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Box2 {
+    min: [f64; 2],
+    max: [f64; 2],
+}
+
+impl Box2 {
+    /// Of a mark.
+    pub(super) fn mark(at: [f64; 2]) -> Self {
+        Self::around(at, MARK_PX)
+    }
+
+    /// Of an upright or level line.
+    pub(super) fn line(from: [f64; 2], to: [f64; 2]) -> Self {
+        let min = [from[0].min(to[0]) - 1.0, from[1].min(to[1]) - 1.0];
+        Self { min, max: [from[0].max(to[0]) + 1.0, from[1].max(to[1]) + 1.0] }
+    }
+
+    fn around([x, y]: [f64; 2], half: f64) -> Self {
+        Self { min: [x - half, y - half], max: [x + half, y + half] }
+    }
+
+    fn overlaps(&self, other: &Self) -> bool {
+        (0..2).all(|i| self.min[i] < other.max[i] && other.min[i] < self.max[i])
+    }
+
+    fn is_within(&self, other: &Self) -> bool {
+        (0..2).all(|i| self.min[i] >= other.min[i] && self.max[i] <= other.max[i])
+    }
+}
+
+/// How wide a text is, about.
+pub(super) fn width_px(text: &str) -> f64 {
+    text.chars().count() as f64 * LETTER_PX
+}
+
+/// Finds a place for each label within the corners `bounds`: as near as possible, over none of `obstacles`, not over
+/// another label. `None` for a label for which there is none: its point still says what it is when pointed at.
+pub(super) fn place(labels: &[Label], obstacles: &[Box2], bounds: [[f64; 2]; 2]) -> Vec<Option<Placed>> {
+    let bounds = Box2 { min: bounds[0], max: bounds[1] };
+    let mut taken: Vec<Box2> = Vec::new();
+    // Right, left, then the diagonals, above and below; further and further away.
+    const DIRECTIONS: [[f64; 2]; 8] = [
+        [1.0, 0.0],
+        [0.7, -0.7],
+        [0.7, 0.7],
+        [-1.0, 0.0],
+        [-0.7, -0.7],
+        [-0.7, 0.7],
+        [0.0, -1.0],
+        [0.0, 1.0],
+    ];
+    let find = |label: &Label| {
+        let width = width_px(&label.text);
+        for distance in [9.0, 18.0, 28.0, 40.0, 54.0, 70.0, 88.0, 108.0, 130.0, 154.0, 180.0] {
+            for [dx, dy] in DIRECTIONS {
+                let near = [label.at[0] + dx * distance, label.at[1] + dy * distance];
+                let left = match dx {
+                    d if d > 0.0 => near[0],
+                    d if d < 0.0 => near[0] - width,
+                    _ => near[0] - width * 0.5,
+                };
+                let space = Box2 {
+                    min: [left, near[1] - LINE_PX * 0.5],
+                    max: [left + width, near[1] + LINE_PX * 0.5],
+                };
+                let is_free = !obstacles.iter().chain(&taken).any(|other| other.overlaps(&space));
+                if is_free && space.is_within(&bounds) {
+                    taken.push(space);
+                    let leader = (distance > 20.0).then_some(near);
+                    return Some(Placed { at: [left, near[1] + LINE_PX * 0.32], leader });
+                }
+            }
+        }
+        None
+    };
+    labels.iter().map(find).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twenty_labels_of_one_spot_do_not_overlap() {
+        let labels: Vec<Label> = (0..20)
+            .map(|i| Label { at: [250.0 + f64::from(i) * 2.0, 150.0], text: format!("label {i}") })
+            .collect();
+        let marks: Vec<[f64; 2]> = labels.iter().map(|label| label.at).collect();
+        let obstacles: Vec<Box2> = marks.iter().map(|mark| Box2::mark(*mark)).collect();
+        let placed = place(&labels, &obstacles, [[0.0, 0.0], [560.0, 300.0]]);
+        let boxes: Vec<Box2> = placed
+            .iter()
+            .zip(&labels)
+            .map(|(placed, label)| {
+                let [x, y] = placed.expect("there is room for all").at;
+                Box2 { min: [x, y - LINE_PX], max: [x + width_px(&label.text), y] }
+            })
+            .collect();
+        for (i, a) in boxes.iter().enumerate() {
+            for b in &boxes[i + 1..] {
+                assert!(!a.overlaps(b), "{a:?} {b:?}");
+            }
+            assert!(marks.iter().all(|mark| !Box2::around(*mark, 1.0).overlaps(a)));
+        }
+    }
+
+    #[test]
+    fn a_label_without_room_is_left_out() {
+        let label = Label { at: [5.0, 5.0], text: "far too long for this".into() };
+        assert_eq!(place(&[label], &[], [[0.0, 0.0], [40.0, 40.0]]), [None]);
+    }
+}

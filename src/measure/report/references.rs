@@ -1,0 +1,253 @@
+//! References kept, in memory for one scene and on disk between runs: soft ones take minutes.
+//!
+//! A kept reference is found by a hash of all that it depends on: every vertex in the world, materials and their
+//! images, lights, casters, camera and size, and the reference's own source text, so that a change to either is never
+//! answered with an old picture. A file that is damaged or cut short is traced anew and replaced.
+
+use std::collections::HashMap;
+use std::fs;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use shadowgraph_engine::manager::FrameRequest;
+use shadowgraph_engine::scene::Posed;
+
+use super::super::reference::Hit;
+use super::super::{LightQuery, LightReference, Progress, Reference, ReferenceImage};
+
+/// The reference with what it took.
+#[derive(Debug, PartialEq)]
+pub(super) struct Traced {
+    /// The pictures.
+    pub(super) image: ReferenceImage,
+    /// How long it was traced, in milliseconds, when it was.
+    pub(super) trace_ms: f64,
+}
+
+/// References that were traced already.
+#[derive(Debug, Default)]
+pub struct References {
+    folder: Option<PathBuf>,
+    kept: HashMap<u64, Arc<Traced>>,
+    /// What could not be kept on disk, once.
+    warning: Option<String>,
+}
+
+impl References {
+    /// Kept in memory only.
+    pub fn in_memory() -> Self {
+        Self::default()
+    }
+
+    /// Kept in `folder` as well, which is made when the first is.
+    pub fn in_folder(folder: &Path) -> Self {
+        Self { folder: Some(folder.into()), ..Self::default() }
+    }
+
+    /// Why references are not kept on disk, if they are not: a report is none the worse for it.
+    pub fn warning(&self) -> Option<&str> {
+        self.warning.as_deref()
+    }
+
+    /// Forgets what is kept in memory.
+    pub(super) fn forget(&mut self) {
+        self.kept.clear();
+    }
+
+    pub(super) fn get(
+        &mut self,
+        posed: &Posed,
+        request: &FrameRequest,
+        queries: &[LightQuery],
+        progress: &Progress<'_>,
+    ) -> Arc<Traced> {
+        let key = content_key(posed, request, queries);
+        if let Some(traced) = self.kept.get(&key) {
+            return Arc::clone(traced);
+        }
+        let path = self.folder.as_ref().map(|folder| folder.join(format!("{key:016x}.reference")));
+        let read = path.as_ref().and_then(|path| decode(&fs::read(path).ok()?, key));
+        let traced = Arc::new(read.unwrap_or_else(|| {
+            let start = Instant::now();
+            let image = Reference::new(posed).render(&request.camera, request.size_px, queries, progress);
+            let traced = Traced { image, trace_ms: start.elapsed().as_secs_f64() * 1e3 };
+            if let Some(path) = &path
+                && let Err(error) = write(path, &encode(&traced, key))
+            {
+                let warning = format!("references are not kept in '{}': {error}", path.display());
+                self.warning.get_or_insert(warning);
+            }
+            traced
+        }));
+        self.kept.insert(key, Arc::clone(&traced));
+        traced
+    }
+}
+
+/// A file appears whole or not at all.
+fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    let part = path.with_extension(format!("{}.part", std::process::id()));
+    fs::write(&part, bytes).and_then(|()| fs::rename(&part, path)).inspect_err(|_| {
+        // The first error is the one to tell.
+        let _ = fs::remove_file(&part);
+    })
+}
+
+/// The texts that say what a reference is.
+const SOURCES: [&str; 5] = [
+    include_str!("../bvh.rs"),
+    include_str!("../reference.rs"),
+    include_str!("../render.rs"),
+    include_str!("../surface.rs"),
+    include_str!("references.rs"),
+];
+
+fn content_key(posed: &Posed, request: &FrameRequest, queries: &[LightQuery]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    SOURCES.hash(&mut hasher);
+    for instance in &posed.instances {
+        let vertices = instance.mesh.positions().len() as u32;
+        for vertex in 0..vertices {
+            instance.world_position(vertex).to_array().map(f64::to_bits).hash(&mut hasher);
+        }
+        let data = instance.mesh.data();
+        data.indices.hash(&mut hasher);
+        data.uvs.iter().for_each(|uv| uv.to_array().map(f32::to_bits).hash(&mut hasher));
+        data.colors.iter().for_each(|color| color.to_array().map(f32::to_bits).hash(&mut hasher));
+        format!("{:?} {:?} {:?}", data.parts, instance.shadow, instance.materials).hash(&mut hasher);
+    }
+    let mut images: Vec<_> = posed.images.iter().collect();
+    images.sort_by_key(|(key, _)| **key);
+    for (key, image) in images {
+        (format!("{key:?}"), image.width, &image.rgba8).hash(&mut hasher);
+    }
+    for query in queries {
+        let light = posed.lights.get(query.light);
+        (format!("{light:?}"), &query.casters).hash(&mut hasher);
+    }
+    let camera = (&request.camera.world_from_view, &request.camera.projection);
+    (format!("{camera:?}"), request.size_px).hash(&mut hasher);
+    hasher.finish()
+}
+
+const MAGIC: &[u8; 16] = b"SHADOWGRAPH-REF\n";
+
+fn checksum(bytes: &[u8]) -> [u8; 8] {
+    let mut hasher = DefaultHasher::new();
+    hasher.write(bytes);
+    hasher.finish().to_le_bytes()
+}
+
+fn encode(traced: &Traced, key: u64) -> Vec<u8> {
+    let Traced { image, trace_ms } = traced;
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend(key.to_le_bytes());
+    bytes.extend(trace_ms.to_le_bytes());
+    image.size_px.iter().for_each(|side| bytes.extend(side.to_le_bytes()));
+    for hit in &image.hits {
+        let [instance, triangle] = hit.map_or([u32::MAX; 2], |hit| [hit.instance, hit.triangle]);
+        bytes.extend(instance.to_le_bytes());
+        bytes.extend(triangle.to_le_bytes());
+    }
+    bytes.extend((image.lights.len() as u32).to_le_bytes());
+    for light in &image.lights {
+        bytes.extend((light.name.len() as u32).to_le_bytes());
+        bytes.extend(light.name.as_bytes());
+        light.factor.iter().for_each(|factor| bytes.extend(factor.to_le_bytes()));
+        let flags = light.compared.iter().zip(&light.ambiguous);
+        bytes.extend(flags.map(|(compared, ambiguous)| u8::from(*compared) | u8::from(*ambiguous) << 1));
+    }
+    let sum = checksum(&bytes);
+    bytes.extend(sum);
+    bytes
+}
+
+/// Takes values from the front of bytes.
+struct Reader<'a>(&'a [u8]);
+
+impl<'a> Reader<'a> {
+    fn take(&mut self, count: usize) -> Option<&'a [u8]> {
+        let (front, rest) = self.0.split_at_checked(count)?;
+        self.0 = rest;
+        Some(front)
+    }
+
+    fn bytes<const N: usize>(&mut self) -> Option<[u8; N]> {
+        self.take(N)?.try_into().ok()
+    }
+
+    fn number(&mut self) -> Option<u32> {
+        Some(u32::from_le_bytes(self.bytes()?))
+    }
+}
+
+/// `None` for whatever [`encode`] did not write for this key.
+fn decode(bytes: &[u8], key: u64) -> Option<Traced> {
+    let (body, sum) = bytes.split_at_checked(bytes.len().checked_sub(8)?)?;
+    if checksum(body) != sum {
+        return None;
+    }
+    let mut reader = Reader(body);
+    if reader.bytes::<16>()? != *MAGIC || u64::from_le_bytes(reader.bytes()?) != key {
+        return None;
+    }
+    let trace_ms = f64::from_le_bytes(reader.bytes()?);
+    let size_px = [reader.number()?, reader.number()?];
+    let pixels = size_px[0] as usize * size_px[1] as usize;
+    let numbers = |bytes: &[u8]| -> Vec<u32> {
+        bytes.chunks_exact(4).map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]])).collect()
+    };
+    let hit = |pair: &[u32]| (pair[0] != u32::MAX).then(|| Hit { instance: pair[0], triangle: pair[1] });
+    let hits = numbers(reader.take(pixels.checked_mul(8)?)?).chunks_exact(2).map(hit).collect();
+    let mut lights = Vec::new();
+    for _ in 0..reader.number()? {
+        let length = reader.number()? as usize;
+        let name = String::from_utf8(reader.take(length)?.to_vec()).ok()?;
+        let factor = numbers(reader.take(pixels * 4)?).into_iter().map(f32::from_bits).collect();
+        let flags = reader.take(pixels)?;
+        let flag = |bit: u8| flags.iter().map(|flags| flags >> bit & 1 == 1).collect();
+        lights.push(LightReference { name, factor, compared: flag(0), ambiguous: flag(1) });
+    }
+    let image = ReferenceImage { size_px, hits, lights };
+    reader.0.is_empty().then_some(Traced { image, trace_ms })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn traced() -> Traced {
+        let light = LightReference {
+            name: "lämp".into(),
+            factor: vec![0.25, 1.0],
+            compared: vec![true, false],
+            ambiguous: vec![false, true],
+        };
+        let hits = vec![Some(Hit { instance: 3, triangle: 70_000 }), None];
+        Traced { image: ReferenceImage { size_px: [2, 1], hits, lights: vec![light] }, trace_ms: 12.5 }
+    }
+
+    #[test]
+    fn references_come_back_the_same() {
+        assert_eq!(decode(&encode(&traced(), 9), 9), Some(traced()));
+    }
+
+    #[test]
+    fn damaged_cut_and_foreign_files_are_not_believed() {
+        let bytes = encode(&traced(), 9);
+        assert_eq!(decode(&bytes, 8), None);
+        for end in 0..bytes.len() {
+            assert_eq!(decode(&bytes[..end], 9), None, "{end}");
+        }
+        for place in 0..bytes.len() {
+            let mut bytes = bytes.clone();
+            bytes[place] ^= 4;
+            assert_eq!(decode(&bytes, 9), None, "{place}");
+        }
+    }
+}
