@@ -100,6 +100,7 @@ fn every_option_gives_the_same_factors() {
                 depth_test: DepthTest::ZFail,
                 geometry: GeometryMode::Open,
                 extrusion: Extrusion::Infinite,
+                ..auto
             },
         ),
     ];
