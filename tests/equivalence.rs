@@ -85,7 +85,7 @@ fn differing(
 #[test]
 fn every_option_gives_the_same_factors() {
     let Some(mut renderer) = common::renderer() else { return };
-    const OPTIONS: usize = 6;
+    const OPTIONS: usize = 12;
     let auto = ShadowVolumeHard::default();
     // Floors cast and are open, so that `geometry=closed` is always refused and not among these.
     let options: [(&str, ShadowVolumeHard); OPTIONS] = [
@@ -100,6 +100,28 @@ fn every_option_gives_the_same_factors() {
                 depth_test: DepthTest::ZFail,
                 geometry: GeometryMode::Open,
                 extrusion: Extrusion::Infinite,
+                ..auto
+            },
+        ),
+        ("closure=backfaces", ShadowVolumeHard { closure: Closure::Backfaces, ..auto }),
+        ("passes=single", ShadowVolumeHard { passes: Passes::SINGLE, ..auto }),
+        ("counter=float", ShadowVolumeHard { counter: CounterKind::Float, ..auto }),
+        ("terminator=smooth", ShadowVolumeHard { terminator: Terminator::Smooth, ..auto }),
+        (
+            "float, smooth, zfail",
+            ShadowVolumeHard {
+                counter: CounterKind::Float,
+                terminator: Terminator::Smooth,
+                depth_test: DepthTest::ZFail,
+                ..auto
+            },
+        ),
+        (
+            "backfaces, open, zfail",
+            ShadowVolumeHard {
+                closure: Closure::Backfaces,
+                geometry: GeometryMode::Open,
+                depth_test: DepthTest::ZFail,
                 ..auto
             },
         ),

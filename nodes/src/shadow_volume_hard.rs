@@ -216,10 +216,12 @@ impl ShadowVolumeHard {
             let shape = self.cast_shape(light, instance)?;
             let mut half = self.half(light, instance, &shape)?;
             if self.terminator == Terminator::Smooth {
-                if half == Half::Lit && matches!(shape, CastShape::Own(_)) {
+                if half != Half::Lit || !matches!(shape, CastShape::Own(_)) {
+                    keep_terminator.push((instance, CASTS_OPEN));
+                } else if light.smooth_terminator(index) {
                     half = Half::Unlit;
                 } else {
-                    keep_terminator.push((instance, KEEPS_TERMINATOR));
+                    keep_terminator.push((instance, TOO_MANY_LIGHTS));
                 }
             }
             let position_bits = position.to_array().map(f64::to_bits);
@@ -230,9 +232,6 @@ impl ShadowVolumeHard {
             if facing.cast.is_empty() {
                 left_out.push((instance, "every triangle is edge-on to the light"));
                 continue;
-            }
-            if half == Half::Unlit {
-                light.smooth_terminator(index)?;
             }
             let z_fail = self.counts_from_infinity(light, instance)?;
             let perspective = view.frustum.eye.w > 0.0;
@@ -363,7 +362,9 @@ impl ShadowVolumeHard {
 }
 
 /// Why a caster's terminator stays where its triangles turn away.
-const KEEPS_TERMINATOR: &str = "terminator=smooth leaves it as it is: it does not cast as a solid (open, or light or eye within its bounds)";
+const CASTS_OPEN: &str = "terminator=smooth leaves it as it is: it does not cast as a solid (open, or light or eye within its bounds)";
+const TOO_MANY_LIGHTS: &str =
+    "terminator=smooth leaves it as it is: only the first 32 lights of a scene can have smooth terminators";
 
 /// One note for each reason, not for each caster.
 fn note_left_out(light: &mut LightPlan<'_>, left_out: &[(&Instance, &'static str)]) {

@@ -80,6 +80,7 @@ pub fn plan_frame(
                     continue;
                 }
                 let darkened_before = segment.darkens;
+                let mut darkens = false;
                 let required = claim.technique.requirements().required;
                 let mut light_plan = LightPlan {
                     posed,
@@ -97,11 +98,12 @@ pub fn plan_frame(
                     counts_bound: &mut counts_bound,
                     visibility_layer: layers,
                     darkening: &mut darkening,
-                    darkens: &mut segment.darkens,
+                    darkens: &mut darkens,
                     smooth_terminators: &mut segment.smooth_terminators,
                 };
                 light_plan.require(required, "always")?;
                 claim.technique.plan(&mut light_plan)?;
+                segment.darkens |= darkens;
                 if segment.darkens && (segment.counts || segment.visibility.is_some()) {
                     let (own, other) = (claim.node.clone(), last.unwrap_or(&claim.node).clone());
                     let (darkening, other) = if darkened_before { (other, own) } else { (own, other) };

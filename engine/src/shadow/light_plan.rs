@@ -172,20 +172,13 @@ impl<'a> LightPlan<'a> {
     }
 
     /// Has instance number `instance` shaded by its normals alone where it turns away from this light: the technique
-    /// leaves what is there undecided. For pictures; in factors, what is turned away stays dark.
-    ///
-    /// # Errors
-    /// [`ShadowError::Unsupported`] beyond the first [`MAX_SMOOTH_LIGHTS`] lights of a scene.
-    pub fn smooth_terminator(&mut self, instance: usize) -> Result<(), ShadowError> {
-        if self.light_index >= MAX_SMOOTH_LIGHTS {
-            return Err(self.unsupported(format!(
-                "a smooth terminator is there for the first {MAX_SMOOTH_LIGHTS} lights of a scene; '{}' is number {}",
-                self.light().name,
-                self.light_index + 1
-            )));
-        }
-        self.smooth_terminators.push(instance as u32);
-        Ok(())
+    /// leaves what is there undecided. For pictures; in factors, what is turned away stays dark. False, and nothing is
+    /// changed, beyond the first [`MAX_SMOOTH_LIGHTS`] lights of a scene.
+    #[must_use]
+    pub fn smooth_terminator(&mut self, instance: usize) -> bool {
+        let possible = self.light_index < MAX_SMOOTH_LIGHTS;
+        self.smooth_terminators.extend(possible.then_some(instance as u32));
+        possible
     }
 
     /// The target for a pass that multiplies visibility: 1 where nothing has darkened it yet.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use shadowgraph_engine::scene::{ParamValue, Params, ShadowNode};
-use shadowgraph_engine::shadow::{OptionError, OptionReader, Setting, ShadowTechnique, TechniqueEntry};
+use shadowgraph_engine::shadow::{OptionError, OptionReader, Setting, TechniqueEntry};
 
 /// From where crossings are counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -128,6 +128,64 @@ const COUNTERS: &[(&str, CounterKind)] =
 const TERMINATORS: &[(&str, Terminator)] =
     &[("geometric", Terminator::Geometric), ("smooth", Terminator::Smooth)];
 
+/// What reports and tests try beside the default: all of it exact.
+const SETTINGS: &[Setting] = &[
+    Setting {
+        name: "z-pass",
+        why: "counting from the near plane, which needs no caps",
+        params: || {
+            ShadowVolumeHard { depth_test: DepthTest::ZPass, ..ShadowVolumeHard::default() }.to_params()
+        },
+    },
+    Setting {
+        name: "z-fail",
+        why: "counting from infinity, which is right wherever the eye is",
+        params: || {
+            ShadowVolumeHard { depth_test: DepthTest::ZFail, ..ShadowVolumeHard::default() }.to_params()
+        },
+    },
+    Setting {
+        name: "open",
+        why: "every triangle casts, closed casters too",
+        params: || {
+            ShadowVolumeHard { geometry: GeometryMode::Open, ..ShadowVolumeHard::default() }.to_params()
+        },
+    },
+    Setting {
+        name: "infinite",
+        why: "sides to infinity, where the default ends them behind what receives",
+        params: || {
+            ShadowVolumeHard { extrusion: Extrusion::Infinite, ..ShadowVolumeHard::default() }.to_params()
+        },
+    },
+    Setting {
+        name: "backfaces",
+        why: "open casters with a reverse for every face: the same picture, and twice the edges to look at",
+        params: || {
+            ShadowVolumeHard { closure: Closure::Backfaces, ..ShadowVolumeHard::default() }.to_params()
+        },
+    },
+    Setting {
+        name: "float",
+        why: "counts in a float target, where the default counts in the stencil",
+        params: || {
+            ShadowVolumeHard { counter: CounterKind::Float, ..ShadowVolumeHard::default() }.to_params()
+        },
+    },
+    Setting {
+        name: "single",
+        why: "one darkening of the picture for all lights; factors are each light's own",
+        params: || ShadowVolumeHard { passes: Passes::SINGLE, ..ShadowVolumeHard::default() }.to_params(),
+    },
+    Setting {
+        name: "smooth",
+        why: "solids cast from their far side, so that smooth casters have a smooth terminator; factors are geometric",
+        params: || {
+            ShadowVolumeHard { terminator: Terminator::Smooth, ..ShadowVolumeHard::default() }.to_params()
+        },
+    },
+];
+
 impl ShadowVolumeHard {
     /// How the catalog knows it.
     pub const ENTRY: TechniqueEntry = TechniqueEntry {
@@ -135,28 +193,7 @@ impl ShadowVolumeHard {
         short_name: "hard",
         summary: "exact hard shadows of any triangles, counted in the stencil",
         from_params: |params| Ok(Arc::new(Self::from_params(params)?)),
-        settings: &[
-            Setting {
-                name: "z-pass",
-                why: "counting from the near plane, which needs no caps",
-                params: || Self { depth_test: DepthTest::ZPass, ..Self::default() }.params(),
-            },
-            Setting {
-                name: "z-fail",
-                why: "counting from infinity, which is right wherever the eye is",
-                params: || Self { depth_test: DepthTest::ZFail, ..Self::default() }.params(),
-            },
-            Setting {
-                name: "open",
-                why: "every triangle casts, closed casters too",
-                params: || Self { geometry: GeometryMode::Open, ..Self::default() }.params(),
-            },
-            Setting {
-                name: "infinite",
-                why: "sides to infinity, where the default ends them behind what receives",
-                params: || Self { extrusion: Extrusion::Infinite, ..Self::default() }.params(),
-            },
-        ],
+        settings: SETTINGS,
     };
 
     /// Reads the options.
