@@ -7,6 +7,7 @@
 mod common;
 
 mod closure;
+mod extrusion;
 mod float;
 mod single;
 mod single_sided;
