@@ -11,6 +11,12 @@ fn shelf(half: f32, y: f32) -> MeshData {
     shapes::quad(corners.map(Vec3::from)).named("shelf")
 }
 
+/// An upright square behind the caster.
+fn wall() -> MeshData {
+    let corners = [[-4.0, 0.0, -1.2], [4.0, 0.0, -1.2], [4.0, 4.0, -1.2], [-4.0, 4.0, -1.2]];
+    shapes::quad(corners.map(Vec3::from)).named("wall")
+}
+
 fn room(half: f32) -> MeshData {
     open_box("room", [0.0, half, 0.0], half, &[]).flipped()
 }
@@ -71,12 +77,12 @@ fn shown() -> Vec<Shown> {
             request(p(2.0, 2.0, 2.4), p(0.0, 1.0, 0.0)),
             "to a plane",
         ),
-        // Nothing is behind the floor but the eye, which looks up past its rim.
+        // Nothing is below but the eye: its view enters the volume far down, and leaves it before a wall in light.
         row(
-            "the eye behind the floor",
-            vec![shelf(0.9, 0.0), small(1.2), shelf(6.0, -3.0)],
+            "the eye behind all receivers",
+            vec![small(1.2), wall()],
             p(1.0, 4.0, 0.6),
-            request(p(2.0, -2.5, 3.0), p(-0.2, 0.2, 0.0)),
+            request(p(-0.6, -3.0, 0.3), p(-0.5, 1.5, -1.0)),
             "to a plane",
         ),
         row(
