@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use glam::{DVec3, DVec4, Vec2};
+use shadowgraph::cases::sweeps::{self, Axis};
 use shadowgraph::cases::{self, Case, Expect};
 use shadowgraph_engine::math::{Aabb, facing_sign};
 use shadowgraph_engine::scene::{Image, Instance, Material, Posed, PosedCamera, PosedLight};
@@ -388,6 +389,24 @@ fn variants_have_names_of_their_own() {
 fn every_scene_shows_what_it_is_about() {
     let wrong: Vec<_> =
         cases::all().iter().flat_map(|entry| entry.build()).flat_map(|case| check(&case)).collect();
+    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn every_step_of_every_sweep_shows_what_it_is_about() {
+    let sweeps = sweeps::all();
+    let unique: std::collections::HashSet<_> = sweeps.iter().map(|sweep| sweep.id).collect();
+    assert_eq!(unique.len(), sweeps.len());
+    let mut wrong = Vec::new();
+    for sweep in &sweeps {
+        let steps = sweep.steps();
+        let rising = steps.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        let falling = steps.windows(2).all(|pair| pair[0].0 > pair[1].0);
+        assert!(rising || falling, "{}: the steps are in no order", sweep.id);
+        assert!(sweep.axis == Axis::Linear || steps.iter().all(|(value, _)| *value > 0.0), "{}", sweep.id);
+        assert!(!sweep.parameter.is_empty() && !sweep.what_breaks.is_empty(), "{}", sweep.id);
+        wrong.extend(steps.iter().flat_map(|(_, case)| check(case)));
+    }
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
 }
 

@@ -12,12 +12,12 @@ use super::stage::{Stage, block, p, v};
 
 impl Stage {
     /// Point and spot lights are spheres of this radius.
-    fn radius(self, radius_m: f64) -> Self {
+    pub(super) fn radius(self, radius_m: f64) -> Self {
         self.option("radius", ParamValue::Number(radius_m))
     }
 
     /// Directional lights are discs of this half-angle.
-    fn half_angle(self, degrees: f64) -> Self {
+    pub(super) fn half_angle(self, degrees: f64) -> Self {
         self.option("angle", ParamValue::Number(degrees))
     }
 }
