@@ -6,7 +6,9 @@
 use std::sync::Arc;
 
 use glam::{DVec3, DVec4, Vec2};
+use shadowgraph::cases::sweeps::{self, Axis};
 use shadowgraph::cases::{self, Case, Expect};
+use shadowgraph::measure::LightSize;
 use shadowgraph_engine::math::{Aabb, facing_sign};
 use shadowgraph_engine::scene::{Image, Instance, Material, Posed, PosedCamera, PosedLight};
 
@@ -220,11 +222,11 @@ impl Soup {
         Some(crossed.fold([1.0; 3], |product, next| [0, 1, 2].map(|i| product[i] * next[i])))
     }
 
-    /// The mean factor over the light's disc: of directions within `angle_rad`, or around a point for `radius_m`.
+    /// The mean factor over the light's disc: of directions within `half_angle_rad`, or around a point for `radius_m`.
     fn soft_factor(
         &self,
         light: &PosedLight,
-        [radius_m, angle_rad]: [f64; 2],
+        LightSize { radius_m, half_angle_rad }: LightSize,
         point: DVec3,
         surface: [DVec3; 3],
         to_eye: DVec3,
@@ -233,7 +235,7 @@ impl Soup {
         let to_light = light.position.truncate() - point * light.position.w;
         let distance = to_light.length();
         let radius = match light.position.w {
-            0.0 => angle_rad.tan() * distance,
+            0.0 => half_angle_rad.tan() * distance,
             _ if distance <= radius_m => 0.0,
             _ => radius_m * distance / (distance * distance - radius_m * radius_m).sqrt(),
         };
@@ -331,11 +333,11 @@ fn check(case: &Case) -> Vec<String> {
         let distance = (point - origin).length();
         match hit {
             Some((t, surface)) if (origin + direction * t - point).length() < 1e-4 * distance => {
-                let size = cases::light_size(&case.options);
+                let size = LightSize::of(&case.options);
                 let factor =
                     soup.soft_factor(light, size, point, surface, -direction).unwrap_or([f64::NAN; 3]);
                 // A disc is sampled.
-                let within = if size == [0.0; 2] { 1e-4 } else { 0.02 };
+                let within = if size == LightSize::NONE { 1e-4 } else { 0.02 };
                 let expected = probe.factor.map(f64::from);
                 if !(0..3).all(|channel| (factor[channel] - expected[channel]).abs() <= within) {
                     wrong.push(format!("{}: {point} is {factor:?}, not {expected:?}", case.name()));
@@ -388,6 +390,24 @@ fn variants_have_names_of_their_own() {
 fn every_scene_shows_what_it_is_about() {
     let wrong: Vec<_> =
         cases::all().iter().flat_map(|entry| entry.build()).flat_map(|case| check(&case)).collect();
+    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn every_step_of_every_sweep_shows_what_it_is_about() {
+    let sweeps = sweeps::all();
+    let unique: std::collections::HashSet<_> = sweeps.iter().map(|sweep| sweep.id).collect();
+    assert_eq!(unique.len(), sweeps.len());
+    let mut wrong = Vec::new();
+    for sweep in &sweeps {
+        let steps = sweep.steps();
+        let rising = steps.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        let falling = steps.windows(2).all(|pair| pair[0].0 > pair[1].0);
+        assert!(rising || falling, "{}: the steps are in no order", sweep.id);
+        assert!(sweep.axis == Axis::Linear || steps.iter().all(|(value, _)| *value > 0.0), "{}", sweep.id);
+        assert!(!sweep.parameter.is_empty() && !sweep.what_breaks.is_empty(), "{}", sweep.id);
+        wrong.extend(steps.iter().flat_map(|(_, case)| check(case)));
+    }
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
 }
 

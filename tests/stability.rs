@@ -1,77 +1,111 @@
 //! Sweeps: one thing of a scene goes from harmless to extreme, and nothing may be wrong on the way.
 //!
-//! Every step is judged by the exact reference: 0 wrong pixels outside the ambiguity band, the band no wider than it
-//! may be, and a shadow to get wrong. Each step prints a row.
+//! Every step is judged as a hard case is, for every technique and setting; each prints a row. `CASE=part-of-a-name` runs
+//! the sweeps so called.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "rows of measurements are what a reader of the log is after")]
 
 mod common;
 
+use common::conformance::{Trial, try_all};
+use common::tolerances::{KNOWN, Known, ROWS};
+use shadowgraph::cases::Case;
 use shadowgraph::cases::sweeps::{self, Sweep};
-use shadowgraph::measure::{evaluate, expect_shadow};
+use shadowgraph::measure::evaluate;
 use shadowgraph::prelude::*;
 
-/// Known: a lamp nearer to a caster than about 10⁻⁵ of its size, but not touching it. Seen from there an edge of one
-/// metre spans all but some roundings of a half circle, and extruded directions, f32 in view space, lose what is left
-/// of it. The cure would be to split such edges before they are extruded.
-const ALMOST_TOUCHING_M: std::ops::RangeInclusive<f64> = 1e-8..=1.1e-5;
-
-fn is_known(sweep: &Sweep, value: f64) -> bool {
-    sweep.id.starts_with("light-near-") && ALMOST_TOUCHING_M.contains(&value)
+/// What is known about a trial.
+fn known(trial: &Trial) -> Option<&'static Known> {
+    KNOWN.iter().find(|known| {
+        known.technique == trial.technique
+            && known.settings.contains(&trial.setting)
+            && known.cases.contains(&trial.case.as_str())
+    })
 }
 
-/// Judges the default options and, where they choose z-pass, z-fail to infinity too.
-fn judge(renderer: &mut Renderer, sweep: &Sweep) -> Vec<String> {
-    let mut failures = Vec::new();
-    let infinite = ShadowVolumeHard {
-        depth_test: DepthTest::ZFail,
-        extrusion: Extrusion::Infinite,
-        ..ShadowVolumeHard::default()
-    };
-    for (value, case) in sweep.steps() {
-        for (word, node) in [("auto", ShadowVolumeHard::default()), ("zfail", infinite)] {
-            let node = ShadowNode::from(node);
-            let scene = case.scene_with(&ShadowVolumeHard::ENTRY, &node.params).unwrap();
-            let request = FrameRequest::new(case.camera.clone(), case.size_px);
-            let row = format!("{} {word}", case.name());
-            let errors = match evaluate(renderer, &scene, &request, &|_, _| {}) {
-                Ok(evaluation) => evaluation.errors,
-                Err(error) => {
-                    failures.push(format!("{row}: {error}"));
-                    continue;
-                }
-            };
-            let error = &errors[0];
-            println!(
-                "{row:<36} wrong {:>2}  out of band {}  band {:>4} of boundary {:>4}  shadow {:>5} of {:>5}  \
-                 other triangle {}",
-                error.wrong,
-                error.wrong_outside_band,
-                error.band_pixels,
-                error.boundary_pixels,
-                error.shadow_pixels,
-                error.compared,
-                error.different_triangle,
-            );
-            let lit = error.shadow_pixels < error.compared;
-            let wrong = !error.passes() || !lit || expect_shadow(&errors).is_err();
-            if wrong && is_known(sweep, value) {
-                println!("{row}: known to be wrong");
-            } else if wrong {
-                failures.push(format!("{row}: {error:?}"));
-            }
-        }
-    }
-    failures
+fn row(trial: &Trial) -> String {
+    let Some(evaluation) = &trial.evaluation else { return "refused".into() };
+    let error = &evaluation.errors[0];
+    format!(
+        "wrong {:>2}  out of band {}  band {:>4} of boundary {:>4}  shadow {:>5} of {:>5}  rmse {:.4}  other triangle {}",
+        error.wrong,
+        error.wrong_outside_band,
+        error.band_pixels,
+        error.boundary_pixels,
+        error.shadow_pixels,
+        error.compared,
+        error.rmse,
+        error.different_triangle,
+    )
 }
 
 #[test]
 fn every_sweep_is_right_at_every_step() {
     let Some(mut renderer) = common::renderer() else { return };
     let filter = std::env::var("CASE").unwrap_or_default();
-    let sweeps: Vec<Sweep> = sweeps::all().into_iter().filter(|sweep| sweep.id.contains(&filter)).collect();
-    assert!(!sweeps.is_empty(), "no sweep is called '{filter}'");
-    let failures: Vec<_> = sweeps.iter().flat_map(|sweep| judge(&mut renderer, sweep)).collect();
+    let entries = renderer.catalog().entries().to_vec();
+    let sweeps = sweeps::all().into_iter().filter(|sweep| sweep.id.contains(&filter));
+    let sweeps: Vec<Sweep> =
+        sweeps.filter(|sweep| entries.iter().any(|entry| sweep.concerns(entry))).collect();
+    assert!(!sweeps.is_empty(), "no sweep is called '{filter}' and concerns a technique");
+    let mut failures = Vec::new();
+    let mut seen = vec![0; KNOWN.len()];
+    for case in sweeps.iter().flat_map(Sweep::steps).map(|(_, case)| case) {
+        for trial in try_all(&mut renderer, &case, ROWS) {
+            let issue = known(&trial);
+            let verdict = match (&trial.complaint, issue) {
+                (None, _) => "",
+                (Some(_), Some(_)) => "  known",
+                (Some(_), None) => "  FAILS",
+            };
+            println!("{:<58} {}{verdict}", trial.name(), row(&trial));
+            match (&trial.complaint, issue) {
+                (Some(_), Some(known)) => {
+                    seen[KNOWN.iter().position(|k| std::ptr::eq(k, known)).unwrap()] += 1
+                }
+                (Some(complaint), None) => failures.push(format!("{}: {complaint}", trial.name())),
+                _ => {}
+            }
+        }
+    }
+    for (known, seen) in KNOWN.iter().zip(seen) {
+        println!("{seen} trials are wrong as known: {}", known.why);
+        // Another driver may round otherwise; this is the one on which the list was made.
+        if filter.is_empty() && seen == 0 && renderer.gpu().name().contains("llvmpipe") {
+            failures.push(format!("strike out, since none of it is wrong any more: {:?}", known.cases));
+        }
+    }
     assert!(failures.is_empty(), "{} fail:\n{}", failures.len(), failures.join("\n"));
+}
+
+/// The factors that default options give, pixel by pixel, where they are compared and outside the band.
+fn factors(renderer: &mut Renderer, case: &Case) -> Vec<Option<f32>> {
+    let request = FrameRequest::new(case.camera.clone(), case.size_px);
+    let evaluation = evaluate(renderer, &case.scene, &request, &|_, _| {}).unwrap();
+    let (light, factor) = (&evaluation.reference.lights[0], &evaluation.measured.lights[0].1);
+    let same = evaluation.measured.ids.iter().zip(&evaluation.reference.hits);
+    let same = same.map(|(ids, hit)| hit.is_some_and(|hit| [hit.instance, hit.triangle] == *ids));
+    let judged = factor.iter().zip(same).zip(light.compared.iter().zip(&light.ambiguous));
+    judged
+        .map(|((factor, same), (compared, ambiguous))| (same && *compared && !ambiguous).then_some(*factor))
+        .collect()
+}
+
+#[test]
+fn what_f32_can_hold_is_drawn_anywhere_as_at_the_origin() {
+    let Some(mut renderer) = common::renderer() else { return };
+    for (sweep, same_up_to) in [("offset-by-node", 1e7), ("offset-exact", 1e7), ("offset-rounded", 1e6)] {
+        let sweep = sweeps::all().into_iter().find(|candidate| candidate.id == sweep).unwrap();
+        let steps = sweep.steps();
+        let near = factors(&mut renderer, &steps[0].1);
+        for (value, case) in steps {
+            let far = factors(&mut renderer, &case);
+            let both = near.iter().zip(&far).filter(|(a, b)| a.is_some() && b.is_some());
+            let differing = both.clone().filter(|(a, b)| a != b).count();
+            println!("{}: {differing} of {} pixels differ from the first step", case.name(), both.count());
+            // Beyond, sixteenths of a metre are rounded away: another scene, and it shows.
+            assert_eq!(differing == 0, value <= same_up_to, "{}", case.name());
+        }
+    }
 }

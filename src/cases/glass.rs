@@ -89,22 +89,32 @@ pub(super) fn glass_order() -> Vec<Stage> {
     ]
 }
 
+/// Boxes above each other, two surfaces each; what passes all of them is a half of red, a quarter of green and a
+/// sixteenth of blue, however many they are.
+pub(super) fn tinted_stack(boxes: u32) -> Stage {
+    let per_surface = |rest: f32| rest.powf(0.5 / boxes as f32);
+    let color = Vec3::new(per_surface(0.5), per_surface(0.25), per_surface(0.0625)) / (1.0 - 0.001);
+    Stage::new(format!("{boxes}-boxes"))
+        .floor()
+        .pane(super::counts::boxes(boxes), color, 0.001)
+        .point(p(0.0, 6.0, 0.0))
+        .eye(p(1.5, 2.5, 3.0), p(0.0, 0.4, 0.0))
+        .factor(&[p(0.1, 0.0, 0.15), p(-0.15, 0.0, 0.1)], [0.5, 0.25, 0.0625])
+        // Seen through the stack, and lit.
+        .lit(&[p(0.6, 0.0, 0.0), p(-0.8, 0.0, -0.9)])
+}
+
 pub(super) fn glass_deep() -> Vec<Stage> {
-    [8, 32, 128]
-        .map(|boxes: u32| {
-            // Two surfaces each; what passes all of them is a half of red, a quarter of green and a sixteenth of blue.
-            let per_surface = |rest: f32| rest.powf(0.5 / boxes as f32);
-            let color = Vec3::new(per_surface(0.5), per_surface(0.25), per_surface(0.0625)) / (1.0 - 0.001);
-            Stage::new(format!("{boxes}-boxes"))
-                .floor()
-                .pane(super::counts::boxes(boxes), color, 0.001)
-                .point(p(0.0, 6.0, 0.0))
-                .eye(p(1.5, 2.5, 3.0), p(0.0, 0.4, 0.0))
-                .factor(&[p(0.1, 0.0, 0.15), p(-0.15, 0.0, 0.1)], [0.5, 0.25, 0.0625])
-                // Seen through the stack, and lit.
-                .lit(&[p(0.6, 0.0, 0.0), p(-0.8, 0.0, -0.9)])
-        })
-        .to_vec()
+    [8, 32, 128].map(tinted_stack).to_vec()
+}
+
+/// Two panes one above the other, each of which lets this share of green and of red pass, and nine tenths of blue.
+pub(super) fn dimmed(name: &str, share: f32) -> Stage {
+    let color = Vec3::new(share, share, 0.9);
+    under_lamp(name)
+        .pane(level(0.0, 1.5, 0.0, 0.5), color / (1.0 - 1.0 / 1024.0), 1.0 / 1024.0)
+        .pane(level(0.2, 1.8, 0.0, 0.5), color / (1.0 - 1.0 / 1024.0), 1.0 / 1024.0)
+        .factor(&[p(0.4, 0.0, 0.3)], [share * share, share * share, 0.81])
 }
 
 pub(super) fn tinted_bottle() -> Vec<Stage> {

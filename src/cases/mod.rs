@@ -29,7 +29,6 @@ use shadowgraph_engine::scene::{Params, PosedCamera, Scene};
 use shadowgraph_engine::shadow::{OptionError, TechniqueEntry};
 use stage::Stage;
 
-pub use soft::light_size;
 pub use table::all;
 
 /// What a technique that claims a case must produce.

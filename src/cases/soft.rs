@@ -5,30 +5,21 @@
 
 use shadowgraph_engine::geometry::MeshData;
 use shadowgraph_engine::geometry::shapes::{Ends, cylinder, quad};
-use shadowgraph_engine::scene::{ParamValue, Params};
+use shadowgraph_engine::scene::ParamValue;
 
 use super::Expect;
 use super::stage::{Stage, block, p, v};
 
 impl Stage {
     /// Point and spot lights are spheres of this radius.
-    fn radius(self, radius_m: f64) -> Self {
+    pub(super) fn radius(self, radius_m: f64) -> Self {
         self.option("radius", ParamValue::Number(radius_m))
     }
 
     /// Directional lights are discs of this half-angle.
-    fn half_angle(self, degrees: f64) -> Self {
+    pub(super) fn half_angle(self, degrees: f64) -> Self {
         self.option("angle", ParamValue::Number(degrees))
     }
-}
-
-/// A case's options as a light's size: radius in metres, half-angle in radians.
-pub fn light_size(options: &Params) -> [f64; 2] {
-    let number = |name: &str| match options.get(name) {
-        Some(ParamValue::Number(value)) => *value,
-        _ => 0.0,
-    };
-    [number("radius"), number("angle").to_radians()]
 }
 
 /// A square board at height `y`, from `x0` to `x1`, 4 m deep.

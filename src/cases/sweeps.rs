@@ -10,9 +10,12 @@
 use glam::{DAffine3, DVec3, Vec2};
 use shadowgraph_engine::geometry::MeshData;
 use shadowgraph_engine::geometry::shapes::{cuboid, plane, quad, torus_knot};
+use shadowgraph_engine::scene::Params;
+use shadowgraph_engine::shadow::TechniqueEntry;
 
 use super::stage::{Stage, at, p, v};
-use super::{Case, counts};
+use super::table::GLASS;
+use super::{Answer, Case, counts, glass};
 
 /// How a sweep's parameter is best plotted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,14 +41,33 @@ pub struct Sweep {
     pub what_breaks: &'static str,
     /// Where f32 must lose, and why; empty where it need not lose anywhere.
     pub f32_loses: &'static str,
+    /// What single techniques say about it, by type name, as for hard cases.
+    pub answers: &'static [(&'static str, Answer)],
+    /// The option that is swept, where it is one.
+    pub option: Option<&'static str>,
     stages: fn() -> Vec<(f64, Stage)>,
 }
 
 impl Sweep {
     /// Makes the scenes, each with the parameter's value. Cases are called after the sweep and the value.
     pub fn steps(&self) -> Vec<(f64, Case)> {
-        let case = |(value, stage): (f64, Stage)| (value, stage.into_case(self.id, self.what_breaks, &[]));
+        let case =
+            |(value, stage): (f64, Stage)| (value, stage.into_case(self.id, self.what_breaks, self.answers));
         (self.stages)().into_iter().map(case).collect()
+    }
+
+    /// Whether the sweep says anything about a technique: whether it has the option that is swept, and does not leave
+    /// to others what is swept.
+    pub fn concerns(&self, technique: &TechniqueEntry) -> bool {
+        let left = self
+            .answers
+            .iter()
+            .any(|(name, answer)| *name == technique.type_name && matches!(answer, Answer::LeavesOut { .. }));
+        let has = |option| {
+            (technique.from_params)(&Params::new())
+                .is_ok_and(|technique| technique.params().contains_key(option))
+        };
+        !left && self.option.is_none_or(has)
     }
 }
 
@@ -57,143 +79,131 @@ pub fn all() -> Vec<Sweep> {
 const OFFSET: &str = "cracks far from the origin";
 const TOUCH: &str = "directions of extrusion that lose their digits when light and caster almost touch";
 
+/// What most sweeps have in common.
+const BASE: Sweep = Sweep {
+    id: "",
+    parameter: "",
+    unit: "m",
+    axis: Axis::Log,
+    what_breaks: "",
+    f32_loses: "",
+    answers: &[],
+    option: None,
+    stages: Vec::new,
+};
+
 const SWEEPS: &[Sweep] = &[
     Sweep {
         id: "offset-by-node",
         parameter: "distance from the origin, by a node's transform",
-        unit: "m",
-        axis: Axis::Log,
         what_breaks: OFFSET,
-        f32_loses: "",
         stages: offset_by_node,
+        ..BASE
     },
     Sweep {
         id: "offset-exact",
         parameter: "distance from the origin, in vertices of whole metres",
-        unit: "m",
-        axis: Axis::Log,
         what_breaks: OFFSET,
-        f32_loses: "",
         stages: offset_exact,
+        ..BASE
     },
     Sweep {
         id: "offset-rounded",
         parameter: "distance from the origin, in vertices of sixteenths of a metre",
-        unit: "m",
-        axis: Axis::Log,
         what_breaks: OFFSET,
         f32_loses: "from 2\u{b2}\u{2070} m (1.05e6) on an f32 no longer holds sixteenths, at 1e7 only whole metres: the \
                     vertices themselves are elsewhere, some on top of each other. That scene, not the one meant, is \
                     drawn exactly",
         stages: offset_rounded,
+        ..BASE
     },
     Sweep {
         id: "scale",
         parameter: "size of the scene",
         unit: "",
-        axis: Axis::Log,
         what_breaks: "absolute epsilons",
-        f32_loses: "",
         stages: scale,
+        ..BASE
     },
     Sweep {
         id: "light-far",
         parameter: "distance of a lamp",
-        unit: "m",
-        axis: Axis::Log,
         what_breaks: "a far lamp's position swamps the vertices it is subtracted from",
-        f32_loses: "",
         stages: light_far,
+        ..BASE
     },
     Sweep {
         id: "light-near-face",
         parameter: "distance of a lamp from a box's face",
-        unit: "m",
-        axis: Axis::Log,
         what_breaks: TOUCH,
-        f32_loses: "",
         stages: || light_near(p(0.2, 1.375, 0.1), DVec3::Y),
+        ..BASE
     },
     Sweep {
         id: "light-near-edge",
         parameter: "distance of a lamp from a box's edge",
-        unit: "m",
-        axis: Axis::Log,
         what_breaks: TOUCH,
-        f32_loses: "",
         stages: || light_near(p(0.75, 1.375, 0.1), DVec3::Y),
+        ..BASE
     },
     Sweep {
         id: "light-near-corner",
         parameter: "distance of a lamp from a box's corner",
-        unit: "m",
-        axis: Axis::Log,
         what_breaks: TOUCH,
-        f32_loses: "",
         stages: || light_near(p(0.75, 1.375, 0.5), DVec3::ONE.normalize()),
+        ..BASE
     },
     Sweep {
         id: "light-near-side",
         parameter: "distance of a lamp from a box's side",
-        unit: "m",
-        axis: Axis::Log,
         what_breaks: TOUCH,
-        f32_loses: "",
         stages: || light_near(p(0.75, 1.0, 0.1), DVec3::X),
+        ..BASE
     },
     Sweep {
         id: "grazing-sun",
         parameter: "height of the sun",
         unit: "deg",
-        axis: Axis::Log,
         what_breaks: "near-infinite shadows and all but parallel planes",
-        f32_loses: "",
         stages: grazing_sun,
+        ..BASE
     },
     Sweep {
         id: "grazing-lamp",
         parameter: "height of a lamp over the floor",
-        unit: "m",
-        axis: Axis::Log,
         what_breaks: "near-infinite shadows and all but parallel planes",
-        f32_loses: "",
         stages: grazing_lamp,
+        ..BASE
     },
     Sweep {
         id: "overlap-closed",
         parameter: "boxes between light and floor",
         unit: "",
-        axis: Axis::Log,
         what_breaks: "counts wrap at multiples of 256 and lose integers above 2048",
-        f32_loses: "",
         stages: || overlap(counts::boxes),
+        ..BASE
     },
     Sweep {
         id: "overlap-open",
         parameter: "sheets between light and floor",
         unit: "",
-        axis: Axis::Log,
         what_breaks: "counts wrap at multiples of 256 and lose integers above 2048",
-        f32_loses: "",
         stages: || overlap(counts::quads),
+        ..BASE
     },
     Sweep {
         id: "near-plane",
         parameter: "near distance, the eye in the light",
-        unit: "m",
-        axis: Axis::Log,
         what_breaks: "holes where the near plane cuts a volume; depth without digits",
-        f32_loses: "",
         stages: || near_plane(yard_eye(), 1.0),
+        ..BASE
     },
     Sweep {
         id: "near-plane-in-shadow",
         parameter: "near distance, the eye in the shadow",
-        unit: "m",
-        axis: Axis::Log,
         what_breaks: "z-pass chosen for a near rectangle that is partly in shadow",
-        f32_loses: "",
         stages: || near_plane([p(0.6, 0.3, -0.2), p(-1.5, 0.0, 2.5)], 0.7),
+        ..BASE
     },
     Sweep {
         id: "field-of-view",
@@ -201,8 +211,8 @@ const SWEEPS: &[Sweep] = &[
         unit: "deg",
         axis: Axis::Linear,
         what_breaks: "bounds of the near rectangle",
-        f32_loses: "",
         stages: || field_of_view([yard_eye()[0], p(0.8, 0.0, -0.5)]),
+        ..BASE
     },
     Sweep {
         id: "field-of-view-in-shadow",
@@ -210,27 +220,61 @@ const SWEEPS: &[Sweep] = &[
         unit: "deg",
         axis: Axis::Linear,
         what_breaks: "bounds of the near rectangle",
-        f32_loses: "",
         // Looks at the edge of the shadow it stands in.
         stages: || field_of_view([p(0.6, 0.3, -0.2), p(-0.19, 0.0, 0.3)]),
+        ..BASE
     },
     Sweep {
         id: "cone-width",
         parameter: "half-angle of a spot's cone",
         unit: "deg",
-        axis: Axis::Log,
         what_breaks: "scissors and culling by the cone",
-        f32_loses: "",
         stages: cone_width,
+        ..BASE
     },
     Sweep {
         id: "cone-across",
         parameter: "where a spot's axis meets the scene",
-        unit: "m",
         axis: Axis::Linear,
         what_breaks: "casters culled at the cone's edge",
-        f32_loses: "",
         stages: cone_across,
+        ..BASE
+    },
+    Sweep {
+        id: "light-radius",
+        parameter: "radius of a lamp",
+        what_breaks: "a light larger than its casters, than the scene, than the distance to them",
+        option: Some("radius"),
+        stages: light_radius,
+        ..BASE
+    },
+    Sweep {
+        id: "light-angle",
+        parameter: "half-angle of the sun",
+        unit: "deg",
+        what_breaks: "a light larger than its casters",
+        option: Some("angle"),
+        stages: light_angle,
+        ..BASE
+    },
+    Sweep {
+        id: "glass-depth",
+        parameter: "tinted boxes between light and floor",
+        unit: "",
+        what_breaks: "logarithms and products lose digits with every layer",
+        answers: GLASS,
+        stages: glass_depth,
+        ..BASE
+    },
+    Sweep {
+        id: "glass-transmission",
+        parameter: "what a surface lets pass",
+        unit: "",
+        axis: Axis::Linear,
+        what_breaks: "logarithms of next to nothing",
+        answers: GLASS,
+        stages: glass_transmission,
+        ..BASE
     },
 ];
 
@@ -376,4 +420,30 @@ fn cone_across() -> Vec<(f64, Stage)> {
         (x_m, stage.spot_within(LAMP, p(x_m, 0.6, 0.0), 0.25, 6.0))
     };
     [-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5].map(step).to_vec()
+}
+
+fn light_radius() -> Vec<(f64, Stage)> {
+    let step = |radius_m: f64| {
+        let stage = yard_with_lamp(format!("{radius_m}-m"), 4.0, LAMP);
+        (radius_m, stage.radius(radius_m))
+    };
+    [1e-3, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0].map(step).to_vec()
+}
+
+fn light_angle() -> Vec<(f64, Stage)> {
+    let step = |degrees: f64| {
+        let stage = yard(format!("{degrees}-deg"), 4.0, DAffine3::IDENTITY).sun(-LAMP);
+        (degrees, stage.half_angle(degrees))
+    };
+    [0.01, 0.1, 0.27, 1.0, 3.0, 10.0, 30.0].map(step).to_vec()
+}
+
+fn glass_depth() -> Vec<(f64, Stage)> {
+    [1, 2, 4, 8, 16, 32, 64, 128, 256].map(|boxes| (f64::from(boxes), glass::tinted_stack(boxes))).to_vec()
+}
+
+fn glass_transmission() -> Vec<(f64, Stage)> {
+    [0.0, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.99, 1.0]
+        .map(|share: f32| (f64::from(share), glass::dimmed(&format!("{share}"), share)))
+        .to_vec()
 }

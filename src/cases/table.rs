@@ -6,7 +6,7 @@ use super::{
 };
 
 /// Glass is the business of coloured techniques alone.
-const GLASS: &[(&str, Answer)] = {
+pub(super) const GLASS: &[(&str, Answer)] = {
     const LEFT: Answer = Answer::LeavesOut { why: "blended surfaces cast through coloured techniques only" };
     &[
         ("ShadowVolumeHard", LEFT),

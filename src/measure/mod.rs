@@ -6,6 +6,7 @@
 //! Nothing here shares a line with the techniques it judges, except the orientation signs of
 //! [`shadowgraph_engine::math`].
 
+mod area;
 mod bvh;
 mod distance;
 mod evaluate;
@@ -19,6 +20,7 @@ mod surface;
 mod technique;
 pub mod timing;
 
+pub use area::{LightSize, PILOT_SAMPLES, disc_samples};
 pub use evaluate::{EvaluateError, Evaluation, KnownReferences, evaluate, evaluate_again, measured, queries};
 pub use metrics::{
     BAND_FLOOR_PIXELS, BAND_PIXELS_PER_BOUNDARY_PIXEL, CompareError, ErrorTable, HALF_FLOAT_LOSS, LightError,

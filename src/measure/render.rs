@@ -159,7 +159,7 @@ impl Reference {
         SupersampledImage { size_px, lights: lights.collect() }
     }
 
-    fn resolve(&self, lights: &[LightQuery]) -> Vec<Query> {
+    pub(super) fn resolve(&self, lights: &[LightQuery]) -> Vec<Query> {
         lights
             .iter()
             .filter(|query| query.light < self.lights.len())
@@ -169,7 +169,11 @@ impl Reference {
 }
 
 /// Runs `row` for every row, in parallel, and returns what it gave from top to bottom.
-fn for_rows<T: Send>(size_px: [u32; 2], progress: &Progress<'_>, row: impl Fn(u32) -> T + Sync) -> Vec<T> {
+pub(super) fn for_rows<T: Send>(
+    size_px: [u32; 2],
+    progress: &Progress<'_>,
+    row: impl Fn(u32) -> T + Sync,
+) -> Vec<T> {
     let done = AtomicUsize::new(0);
     (0..size_px[1])
         .into_par_iter()
@@ -182,14 +186,14 @@ fn for_rows<T: Send>(size_px: [u32; 2], progress: &Progress<'_>, row: impl Fn(u3
 }
 
 /// A camera with a target.
-struct View<'a> {
+pub(super) struct View<'a> {
     camera: &'a PosedCamera,
     size_px: [f64; 2],
     eye: DVec4,
 }
 
 impl<'a> View<'a> {
-    fn new(camera: &'a PosedCamera, size_px: [u32; 2]) -> Self {
+    pub(super) fn new(camera: &'a PosedCamera, size_px: [u32; 2]) -> Self {
         Self { camera, size_px: size_px.map(f64::from), eye: camera.frustum(size_px).eye }
     }
 
@@ -203,7 +207,7 @@ impl<'a> View<'a> {
         (world_from_view.transform_point3(origin), world_from_view.transform_vector3(direction))
     }
 
-    fn first_hit(&self, tracer: &mut Tracer<'_>, pixel: [f64; 2]) -> Option<(Hit, f64)> {
+    pub(super) fn first_hit(&self, tracer: &mut Tracer<'_>, pixel: [f64; 2]) -> Option<(Hit, f64)> {
         let (from, direction) = self.ray(pixel);
         let projection = &self.camera.projection;
         tracer.first_hit(from, direction, projection.near_m(), projection.far_m())
@@ -232,22 +236,28 @@ impl<'a> View<'a> {
 }
 
 /// The centre, four moves on the plane, two in depth.
-const MOVES: usize = 7;
+pub(super) const MOVES: usize = 7;
 
 /// A receiver point and its moved copies.
-struct Moved {
-    hit: Hit,
+pub(super) struct Moved {
+    pub(super) hit: Hit,
     /// The last two are those moved in depth.
-    points: [DVec3; MOVES],
+    pub(super) points: [DVec3; MOVES],
     /// Some move led nowhere; its point is then the centre's.
-    lost: bool,
-    receives: bool,
+    pub(super) lost: bool,
+    pub(super) receives: bool,
     /// The side on which the eye is.
-    eye_side: i32,
+    pub(super) eye_side: i32,
 }
 
 impl Moved {
-    fn new(reference: &Reference, view: &View<'_>, [x, y]: [f64; 2], hit: Hit, t: f64) -> Option<Self> {
+    pub(super) fn new(
+        reference: &Reference,
+        view: &View<'_>,
+        [x, y]: [f64; 2],
+        hit: Hit,
+        t: f64,
+    ) -> Option<Self> {
         let surface = reference.surface(hit)?;
         let (from, direction) = view.ray([x, y]);
         let center = surface.onto_plane(from + direction * t);
@@ -274,17 +284,17 @@ impl Moved {
     }
 }
 
-struct Query {
-    light: usize,
-    casters: CasterSet,
+pub(super) struct Query {
+    pub(super) light: usize,
+    pub(super) casters: CasterSet,
 }
 
 /// What a query says about a pixel.
 #[derive(Clone, Copy)]
-struct Judged {
-    factor: f32,
-    compared: bool,
-    ambiguous: bool,
+pub(super) struct Judged {
+    pub(super) factor: f32,
+    pub(super) compared: bool,
+    pub(super) ambiguous: bool,
 }
 
 impl Query {

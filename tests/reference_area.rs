@@ -1,0 +1,190 @@
+//! The reference for lights with a size against closed forms, against the hard reference, and against itself.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "rows of measurements are what a reader of the log is after")]
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use shadowgraph::cases::{self, Case};
+use shadowgraph::engine::scene::Posed;
+use shadowgraph::measure::{Hit, LightQuery, LightSize, Reference, ReferenceImage, disc_samples};
+
+const SIZE_PX: [u32; 2] = [96, 96];
+
+fn case(name: &str) -> Case {
+    let cases = cases::all().into_iter().flat_map(|entry| entry.build());
+    cases.into_iter().find(|case| case.name() == name).unwrap_or_else(|| panic!("no case is called '{name}'"))
+}
+
+fn query(posed: &Posed) -> LightQuery {
+    LightQuery { light: 0, casters: (0..posed.instances.len()).collect() }
+}
+
+fn render(case: &Case, size: LightSize, samples: u32) -> ReferenceImage {
+    let posed = case.scene.pose().unwrap();
+    let samples = disc_samples(samples, 1);
+    let lights = [(query(&posed), size)];
+    Reference::new(&posed).render_sized(&case.camera, SIZE_PX, &lights, &samples, &|_, _| {})
+}
+
+fn size_of(case: &Case) -> LightSize {
+    LightSize::of(&case.options)
+}
+
+/// Where the floor (y = 0, instance 0) is seen: pixel and point.
+fn floor_points(case: &Case, image: &ReferenceImage) -> Vec<(usize, DVec3)> {
+    let [width, height] = SIZE_PX.map(f64::from);
+    let point = |pixel: usize| {
+        let (x, y) = ((pixel % 96) as f64 + 0.5, (pixel / 96) as f64 + 0.5);
+        let (ndc_x, ndc_y) = (2.0 * x / width - 1.0, 1.0 - 2.0 * y / height);
+        let (from, direction) = case.camera.projection.view_ray(ndc_x, ndc_y, width / height);
+        let from = case.camera.world_from_view.transform_point3(from);
+        let direction = case.camera.world_from_view.transform_vector3(direction);
+        from + direction * (-from.y / direction.y)
+    };
+    let on_floor = |hit: &Option<Hit>| hit.is_some_and(|hit| hit.instance == 0);
+    let hits = image.hits.iter().enumerate().filter(|(_, hit)| on_floor(hit));
+    hits.map(|(pixel, _)| (pixel, point(pixel))).collect()
+}
+
+/// The share of the unit disc beyond a chord at signed distance `t` from the centre.
+fn beyond(t: f64) -> f64 {
+    let t = t.clamp(-1.0, 1.0);
+    (t.acos() - t * (1.0 - t * t).sqrt()) / PI
+}
+
+/// Compares with a closed form wherever there is one; prints and bounds the error over the penumbra.
+fn compare(name: &str, image: &ReferenceImage, exact: impl Iterator<Item = (usize, f64)>, max_error: f64) {
+    let (mut count, mut penumbra, mut sum, mut max) = (0, 0, 0.0, 0.0_f64);
+    for (pixel, exact) in exact {
+        let difference = f64::from(image.lights[0].factor[pixel]) - exact;
+        count += 1;
+        max = max.max(difference.abs());
+        if exact > 0.0 && exact < 1.0 {
+            penumbra += 1;
+            sum += difference * difference;
+        } else {
+            assert!(difference == 0.0, "{name}: off by {difference} outside the penumbra");
+        }
+    }
+    let rmse = (sum / f64::from(penumbra.max(1))).sqrt();
+    println!("{name}: {penumbra} of {count} pixels in the penumbra, rmse {rmse:.5}, max {max:.5}");
+    assert!(penumbra > 100 && count > penumbra, "{name}: too little to compare");
+    assert!(max <= max_error && rmse <= max_error / 3.0, "{name}: rmse {rmse}, max {max}");
+}
+
+/// The factor over a floor point under a half-plane y = `height`, x < 0.
+fn under_half_plane(point: DVec3, center: DVec3, radius_m: f64, height: f64) -> f64 {
+    let to_center = center - point;
+    let distance = to_center.length();
+    // The plane of the point and the edge, its normal to the lit side.
+    let normal = (DVec3::new(0.0, height, point.z) - point).cross(DVec3::Z).normalize();
+    let sin = normal.dot(to_center / distance);
+    let disc_radius = radius_m * distance / (distance * distance - radius_m * radius_m).sqrt();
+    beyond(-sin / (1.0 - sin * sin).sqrt() * distance / disc_radius)
+}
+
+#[test]
+fn a_half_plane_before_a_lamp_is_the_closed_form() {
+    for name in ["edge-through-centre/lamp", "edge-through-centre/turned"] {
+        let case = case(name);
+        let image = render(&case, size_of(&case), 4096);
+        let center = DVec3::new(0.0, 4.0, 0.0);
+        // Near the edge's middle, where the board's other edges are out of the way.
+        let near =
+            floor_points(&case, &image).into_iter().filter(|(_, p)| p.x.abs() < 0.6 && p.z.abs() < 1.5);
+        compare(name, &image, near.map(|(pixel, p)| (pixel, under_half_plane(p, center, 0.3, 1.5))), 0.005);
+    }
+}
+
+#[test]
+fn a_half_plane_before_the_sun_is_the_closed_form() {
+    let case = case("edge-through-centre/sun");
+    let size = LightSize { half_angle_rad: 10_f64.to_radians(), ..LightSize::NONE };
+    let image = render(&case, size, 4096);
+    let slope = size.half_angle_rad.tan();
+    let near = floor_points(&case, &image).into_iter().filter(|(_, p)| p.x.abs() < 0.6 && p.z.abs() < 1.5);
+    compare("sun", &image, near.map(|(pixel, p)| (pixel, beyond(-p.x / (1.5 * slope)))), 0.005);
+}
+
+#[test]
+fn samples_converge_and_overlaps_count_once() {
+    // One board above another on the same side: as the lower alone.
+    let case = case("penumbra-overlap/same-side");
+    let center = DVec3::new(0.0, 4.0, 0.0);
+    let mut last = f64::INFINITY;
+    for samples in [64, 1024, 4096] {
+        let image = render(&case, size_of(&case), samples);
+        let near =
+            floor_points(&case, &image).into_iter().filter(|(_, p)| p.x.abs() < 0.5 && p.z.abs() < 1.2);
+        let exact = near.map(|(pixel, p)| {
+            let [a, b] = [1.5, 1.2].map(|height| under_half_plane(p, center, 0.4, height));
+            (pixel, a.min(b))
+        });
+        let exact: Vec<_> = exact.collect();
+        let squares = exact.iter().map(|(pixel, f)| (f64::from(image.lights[0].factor[*pixel]) - f).powi(2));
+        let rmse = (squares.sum::<f64>() / exact.len() as f64).sqrt();
+        println!("{samples} samples: rmse {rmse:.5} over {} pixels", exact.len());
+        assert!(rmse < last / 2.0 && rmse < 0.25 / f64::from(samples).sqrt(), "{rmse} after {last}");
+        last = rmse;
+    }
+}
+
+#[test]
+fn without_size_and_inside_the_sphere_it_is_the_hard_shadow() {
+    for name in ["radius-0/lamp", "radius-0/sun", "light-touches-caster/face"] {
+        let case = case(name);
+        let posed = case.scene.pose().unwrap();
+        let hard = Reference::new(&posed).render(&case.camera, SIZE_PX, &[query(&posed)], &|_, _| {});
+        let image = render(&case, LightSize::NONE, 4096);
+        // NaN is not equal to itself: bits are.
+        let bits =
+            |image: &ReferenceImage| image.lights[0].factor.iter().map(|f| f.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&hard), bits(&image), "{name}");
+    }
+    // Every surface in view is within the sphere.
+    let case = case("receiver-inside-light");
+    let posed = case.scene.pose().unwrap();
+    let hard = Reference::new(&posed).render(&case.camera, SIZE_PX, &[query(&posed)], &|_, _| {});
+    let image = render(&case, LightSize { radius_m: 50.0, ..LightSize::NONE }, 256);
+    let light = &hard.lights[0];
+    let judged = (0..light.factor.len()).filter(|pixel| light.compared[*pixel]);
+    let differing = judged.filter(|pixel| light.factor[*pixel] != image.lights[0].factor[*pixel]).count();
+    assert_eq!(differing, 0);
+}
+
+#[test]
+fn skipping_what_is_of_one_mind_changes_nothing() {
+    // Every sample at every pixel by the plain question: is it blocked?
+    for name in ["tripod", "caster-in-light/box", "penumbra-overlap/half-planes"] {
+        let case = case(name);
+        let size = size_of(&case);
+        let posed = case.scene.pose().unwrap();
+        let reference = Reference::new(&posed);
+        let image = render(&case, size, 256);
+        let casters = reference.caster_set(&query(&posed).casters);
+        let light = posed.lights[0].position;
+        let mut tracer = reference.tracer();
+        let mut penumbra = 0;
+        for (pixel, point) in floor_points(&case, &image) {
+            let to_light = light.truncate() - point;
+            let distance = to_light.length();
+            let radius =
+                size.radius_m * distance / (distance * distance - size.radius_m * size.radius_m).sqrt();
+            let (u, v) = to_light.normalize().any_orthonormal_pair();
+            let samples = disc_samples(256, 1);
+            let lit = samples.iter().filter(|sample| {
+                let position = light + ((u * sample.x + v * sample.y) * radius).extend(0.0);
+                !tracer.is_blocked(point, image.hits[pixel], position, &casters)
+            });
+            let exact = lit.count() as f32 / 256.0;
+            penumbra += usize::from(exact > 0.0 && exact < 1.0);
+            // The floor's points are computed otherwise here: a sample may fall to the other side of an edge.
+            let difference = (exact - image.lights[0].factor[pixel]).abs();
+            assert!(difference <= 1.5 / 256.0, "{name}: {exact} is not {}", image.lights[0].factor[pixel]);
+        }
+        println!("{name}: {penumbra} penumbra pixels");
+        assert!(penumbra > 20, "{name}: {penumbra}");
+    }
+}
