@@ -5,7 +5,7 @@ use shadowgraph_engine::scene::{ParamValue, Params};
 use super::data::{Measurement, Outcome, Point, Report, SceneReport};
 
 /// The columns, in order. Units are in their names; error columns are those of all lights together.
-pub(super) const COLUMNS: [&str; 43] = [
+pub(super) const COLUMNS: [&str; 44] = [
     "scene",
     "technique",
     "setting",
@@ -46,6 +46,7 @@ pub(super) const COLUMNS: [&str; 43] = [
     "signed_mean",
     "p99",
     "max",
+    "max_outside_band",
     "boundary_distance_mean_px",
     "boundary_distance_max_px",
     "exact",
@@ -123,6 +124,7 @@ fn measured_cells(measurement: &Measurement) -> Vec<String> {
         totals.signed_mean,
         totals.p99,
         totals.max,
+        totals.max_outside_band,
         totals.boundary_distance_mean_px,
         totals.boundary_distance_max_px,
     ];

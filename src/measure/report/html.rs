@@ -131,7 +131,7 @@ fn how_to_read(page: &mut Page) {
 right.</strong> The dotted stairs are the Pareto front: what stands on them is beaten by nothing in both at once.</p>\
 <dl><dt>Time</dt><dd>A whole frame on the wall clock, divided by the same frame without shadows. All settings of a scene \
 and the frame without shadows are rendered in turn, so that both see the same machine. Marks are medians; bars reach from \
-the lower to the upper quartile (over all scenes: from the least to the greatest scene). Times of passes are the adapter’s \
+the lower to the upper quartile. Times of passes are the adapter’s \
 own clock, measured with every pass apart.</dd>\
 <dt>Error</dt><dd>Each light’s factor (1 lit, 0 dark), before shading, minus that of an exact ray tracer in f64, as a root \
 mean square: for hard shadows 0.01 means one pixel in ten thousand. The plots take the pixels outside the <em>ambiguity \
@@ -152,8 +152,8 @@ fn all_scenes(page: &mut Page, report: &Report) {
             "large",
             &svg,
             "Speed against error over all scenes",
-            "Geometric mean of the scenes’ time ratios, with their range; error over the pixels of all scenes. Hollow: \
-             refused on some scenes, so not to be compared.",
+            "Geometric mean of the scenes’ time ratios; error over the pixels of all scenes. Hollow: refused on some \
+             scenes, so not to be compared.",
         ),
         None => page.put(format_args!("<p class=\"soft\">Nothing was measured on scenes in this run.</p>")),
     }

@@ -189,6 +189,10 @@ fn behind(page: &mut Page, point: &Point, measurement: &Measurement) {
     let lights: Vec<Vec<Cell>> = measurement
         .lights
         .iter()
+        // A coloured factor as a whole, then its channels.
+        .flat_map(|(technique, error)| {
+            std::iter::once(error).chain(&error.channels).map(move |error| (technique, error))
+        })
         .map(|(technique, error)| {
             vec![
                 Cell::Text(error.name.clone()),

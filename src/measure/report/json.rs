@@ -155,6 +155,7 @@ fn totals_json(totals: &Totals) -> Value {
         "signed_mean": totals.signed_mean,
         "p99": totals.p99,
         "max": totals.max,
+        "max_outside_band": totals.max_outside_band,
         "boundary_distance_mean_px": finite(totals.boundary_distance_mean_px),
         "boundary_distance_max_px": finite(totals.boundary_distance_max_px),
         "exact": totals.is_exact,

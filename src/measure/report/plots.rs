@@ -30,6 +30,8 @@ pub(super) fn standalone(report: &Report) -> Vec<(String, String)> {
 }
 
 const COST_TITLE: &str = "time of a frame, as a multiple of the frame without shadows";
+/// What every scale of errors covers, so that plots look alike: from one pixel in a hundred million wrong to all.
+const WHOLE_RANGE: [f64; 2] = [1e-4, 1.0];
 const ERROR_TITLE: &str = "error outside the ambiguity band (RMSE)";
 
 /// The number that a technique's colour and shape come from.
@@ -67,7 +69,8 @@ pub(super) fn overview(report: &Report) -> Option<Svg> {
                 ),
                 label,
                 cost: row.ratio,
-                spread: Some(row.ratio_range),
+                // Scenes differ far more than rounds do: their range stands in the table.
+                spread: None,
                 error: row.rmse_outside_band,
                 is_complete: row.is_complete(),
             }
@@ -147,8 +150,7 @@ fn plane(points: &[PlanePoint]) -> Svg {
     };
     let y = AxisOf {
         title: ERROR_TITLE,
-        // From one pixel in a hundred million to all of them wrong, so that planes look alike.
-        values: points.iter().map(|p| p.error).chain([1e-4, 1.0]).collect(),
+        values: points.iter().map(|p| p.error).chain(WHOLE_RANGE).collect(),
         is_log: true,
         least: 1.0,
     };
@@ -250,7 +252,7 @@ pub(super) fn error(sweep: &SweepReport) -> Svg {
         least: 10.0,
     };
     let errors = totals().flat_map(|totals| [totals.rmse, totals.rmse_outside_band]);
-    let y = AxisOf { title: "RMSE", values: errors.collect(), is_log: true, least: 1000.0 };
+    let y = AxisOf { title: "RMSE", values: errors.chain(WHOLE_RANGE).collect(), is_log: true, least: 1.0 };
     let mut plot = Plot::new(Layout::SMALL, &x, &y, Some("0"));
     for (index, (name, steps)) in sweep.techniques.iter().enumerate() {
         for (class, value) in [

@@ -158,6 +158,7 @@ fn encode(traced: &Traced, key: u64) -> Vec<u8> {
     for light in &image.lights {
         bytes.extend((light.name.len() as u32).to_le_bytes());
         bytes.extend(light.name.as_bytes());
+        bytes.extend((light.factor.len() as u32).to_le_bytes());
         light.factor.iter().for_each(|factor| bytes.extend(factor.to_le_bytes()));
         let flags = light.compared.iter().zip(&light.ambiguous);
         bytes.extend(flags.map(|(compared, ambiguous)| u8::from(*compared) | u8::from(*ambiguous) << 1));
@@ -208,7 +209,8 @@ fn decode(bytes: &[u8], key: u64) -> Option<Traced> {
     for _ in 0..reader.number()? {
         let length = reader.number()? as usize;
         let name = String::from_utf8(reader.take(length)?.to_vec()).ok()?;
-        let factor = numbers(reader.take(pixels * 4)?).into_iter().map(f32::from_bits).collect();
+        let values = reader.number()? as usize;
+        let factor = numbers(reader.take(values.checked_mul(4)?)?).into_iter().map(f32::from_bits).collect();
         let flags = reader.take(pixels)?;
         let flag = |bit: u8| flags.iter().map(|flags| flags >> bit & 1 == 1).collect();
         lights.push(LightReference { name, factor, compared: flag(0), ambiguous: flag(1) });

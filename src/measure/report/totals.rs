@@ -1,6 +1,6 @@
 //! A frame's errors, all lights together.
 
-use super::super::metrics::{LightError, Measured, sees_same};
+use super::super::metrics::{LightError, Measured, at, sees_same};
 use super::super::render::ReferenceImage;
 
 /// What all lights of a frame get wrong together: counts are sums, root mean squares and means are taken over the
@@ -28,6 +28,7 @@ pub struct Totals {
     pub signed_mean: f64,
     pub p99: f64,
     pub max: f64,
+    pub max_outside_band: f64,
     pub boundary_distance_mean_px: f64,
     pub boundary_distance_max_px: f64,
     /// Whether every light has what an exact technique must deliver.
@@ -64,7 +65,6 @@ impl Totals {
             let weighted = errors.iter().filter(|e| weight(e) > 0).map(|e| value(e) * weight(e) as f64);
             weighted.sum::<f64>() / sum(weight).max(1) as f64
         };
-        let (outside, penumbra) = squares(measured, reference);
         Self {
             compared,
             different_triangle: sum(|e| e.different_triangle),
@@ -77,12 +77,13 @@ impl Totals {
             leak_outside_band: sum(|e| e.leak_outside_band),
             false_outside_band: sum(|e| e.false_outside_band),
             rmse: mean(|e| e.rmse * e.rmse, |e| e.compared).sqrt(),
-            rmse_outside_band: outside.root_mean(),
-            penumbra_pixels: penumbra.count,
-            penumbra_rmse: penumbra.root_mean(),
+            rmse_outside_band: outside_band(measured, reference).root_mean(),
+            penumbra_pixels: sum(|e| e.penumbra_pixels),
+            penumbra_rmse: mean(|e| e.penumbra_rmse * e.penumbra_rmse, |e| e.penumbra_pixels).sqrt(),
             signed_mean: mean(|e| e.signed_mean, |e| e.compared),
             p99: worst(|e| e.p99),
             max: worst(|e| e.max),
+            max_outside_band: worst(|e| e.max_outside_band),
             boundary_distance_mean_px: mean(|e| e.boundary_distance_mean_px, |e| e.wrong),
             boundary_distance_max_px: worst(|e| e.boundary_distance_max_px),
             is_exact: !errors.is_empty() && errors.iter().all(LightError::passes),
@@ -95,28 +96,24 @@ impl Totals {
     }
 }
 
-/// The squared differences of all lights outside the band, and where the exact factor is fractional.
-fn squares(measured: &Measured, reference: &ReferenceImage) -> (Square, Square) {
-    let (mut outside, mut penumbra) = (Square::default(), Square::default());
+/// The squared differences of all lights outside the band; of a coloured factor the channel that differs most.
+fn outside_band(measured: &Measured, reference: &ReferenceImage) -> Square {
+    let mut outside = Square::default();
+    let pixels = reference.hits.len();
     for light in &reference.lights {
         let Some((_, factor)) = measured.lights.iter().find(|(name, _)| *name == light.name) else {
             continue;
         };
-        for pixel in 0..light.factor.len() {
-            if !light.compared[pixel] || !sees_same(measured.ids[pixel], reference.hits[pixel]) {
-                continue;
-            }
-            let exact = f64::from(light.factor[pixel]);
-            let difference = f64::from(factor[pixel]) - exact;
-            if !light.ambiguous[pixel] {
-                outside.add(difference);
-            }
-            if exact > 0.0 && exact < 1.0 {
-                penumbra.add(difference);
+        for pixel in 0..pixels {
+            let is_judged = light.compared[pixel] && !light.ambiguous[pixel];
+            if is_judged && sees_same(measured.ids[pixel], reference.hits[pixel]) {
+                let channels = at(factor, pixels, pixel).zip(at(&light.factor, pixels, pixel));
+                let differences = channels.map(|(value, exact)| f64::from(value) - f64::from(exact));
+                outside.add(differences.fold(0.0, |most, d| if d.abs() > f64::abs(most) { d } else { most }));
             }
         }
     }
-    (outside, penumbra)
+    outside
 }
 
 #[cfg(test)]
@@ -150,7 +147,19 @@ mod tests {
         assert_eq!((totals.wrong, totals.wrong_outside_band, totals.penumbra_pixels), (1, 0, 1));
         assert!((totals.rmse - ((1.0 + 0.0625) / 4.0_f64).sqrt()).abs() < 1e-12);
         assert!((totals.rmse_outside_band - (0.0625 / 3.0_f64).sqrt()).abs() < 1e-12);
-        assert!((totals.penumbra_rmse - 0.25).abs() < 1e-12 && totals.is_exact);
+        assert!((totals.penumbra_rmse - 0.25).abs() < 1e-12 && !totals.is_exact);
+        assert_eq!(totals.max_outside_band, 0.25);
+    }
+
+    #[test]
+    fn a_coloured_factor_counts_by_its_worst_channel() {
+        let (mut measured, mut reference) = pictures([1.0; 4], [1.0; 4], [false; 4]);
+        measured.lights[0].1 = vec![1.0, 1.0, 1.0, 1.0, 0.5, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.5];
+        reference.lights[0].factor = vec![1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.25, 0.5];
+        let errors = compare(&measured, &reference).expect("they belong together");
+        let totals = Totals::of(&errors, &measured, &reference);
+        assert!((totals.rmse_outside_band - ((0.25 + 0.0625) / 4.0_f64).sqrt()).abs() < 1e-12);
+        assert_eq!((totals.rmse, errors[0].channels.len()), (totals.rmse_outside_band, 3));
     }
 
     #[test]

@@ -1,0 +1,104 @@
+//! What a frame is made of, timed apart: `cargo bench`, or `cargo bench -- adjacency` for some of it.
+//!
+//! Frames need an adapter; where there is none they are left out.
+
+#![allow(clippy::unwrap_used, reason = "a benchmark that cannot go on has nothing to say")]
+
+use divan::{Bencher, black_box};
+use shadowgraph::demo;
+use shadowgraph::engine::geometry::Topology;
+use shadowgraph::engine::gltf;
+use shadowgraph::engine::manager::{Adapter, plan_frame};
+use shadowgraph::engine::shadow::{Cache, Registry};
+use shadowgraph::measure::{Reference, queries};
+use shadowgraph::prelude::*;
+
+fn main() {
+    divan::main();
+}
+
+/// About so many triangles of a closed torus knot.
+fn knot(triangles: u32) -> MeshData {
+    let around = (f64::from(triangles) / 23.0).sqrt() as u32;
+    shapes::torus_knot([2, 3], 0.8, 0.2, [triangles / (2 * around), around])
+}
+
+/// A demo or speed scene with its camera, by its name.
+fn scene(name: &str) -> (Scene, PosedCamera) {
+    let all = demo::all().into_iter().chain(demo::speed());
+    let (_, _, scene) = all.into_iter().find(|(stem, ..)| *stem == name).unwrap();
+    let camera = scene.pose().unwrap().cameras[0].clone();
+    (scene, camera)
+}
+
+#[divan::bench(args = [1_000, 10_000, 100_000])]
+fn adjacency(bencher: Bencher<'_, '_>, triangles: u32) {
+    let mesh = Mesh::new(knot(triangles)).unwrap();
+    bencher
+        .counter(divan::counter::ItemsCount::new(mesh.triangle_count()))
+        .bench_local(|| Topology::new(black_box(mesh.positions()), &mesh.data().indices));
+}
+
+/// Signs, silhouettes and caps of a moving light: everything but the kept adjacency is made anew.
+#[divan::bench(args = ["knot13k", "knot63k", "boxes1k", "plant"])]
+fn extraction(bencher: Bencher<'_, '_>, name: &str) {
+    let (scene, camera) = scene(name);
+    let posed = scene.pose().unwrap();
+    let registry = Registry::collect(&posed, &shadowgraph::nodes::catalog()).unwrap();
+    let request = FrameRequest::new(camera, [1280, 720]);
+    let mut cache = Cache::new();
+    let mut turn = 0.0;
+    bencher.bench_local(|| {
+        let mut moved = posed.clone();
+        turn += 1e-3;
+        moved.lights.iter_mut().for_each(|light| light.position.x += turn);
+        cache.begin_frame();
+        plan_frame(&moved, &registry, &request, &Adapter::imagined(), &mut cache).unwrap()
+    });
+}
+
+/// A frame in which nothing moved.
+#[divan::bench(args = ["room", "knots", "boxes1k"])]
+fn planning(bencher: Bencher<'_, '_>, name: &str) {
+    let (scene, camera) = scene(name);
+    let posed = scene.pose().unwrap();
+    let registry = Registry::collect(&posed, &shadowgraph::nodes::catalog()).unwrap();
+    let request = FrameRequest::new(camera, [1280, 720]);
+    let mut cache = Cache::new();
+    // The first frame extracts; that is timed by itself.
+    plan_frame(&posed, &registry, &request, &Adapter::imagined(), &mut cache).unwrap();
+    bencher.bench_local(|| {
+        cache.begin_frame();
+        plan_frame(&posed, &registry, &request, &Adapter::imagined(), &mut cache).unwrap()
+    });
+}
+
+#[divan::bench(args = ["room", "leaves"])]
+fn gltf_load(bencher: Bencher<'_, '_>, name: &str) {
+    let path = std::path::Path::new("assets").join(name).with_extension("glb");
+    bencher.bench_local(|| gltf::load(black_box(&path)).unwrap());
+}
+
+/// First hit, shadow ray and ambiguity band of every pixel.
+#[divan::bench(args = ["knot13k", "boxes1k", "plant"], sample_count = 10)]
+fn reference_rays(bencher: Bencher<'_, '_>, name: &str) {
+    const SIZE_PX: [u32; 2] = [160, 90];
+    let (scene, camera) = scene(name);
+    let posed = scene.pose().unwrap();
+    let registry = Registry::collect(&posed, &shadowgraph::nodes::catalog()).unwrap();
+    let (reference, queries) = (Reference::new(&posed), queries(&registry));
+    bencher
+        .counter(divan::counter::ItemsCount::new(SIZE_PX[0] as usize * SIZE_PX[1] as usize))
+        .bench_local(|| reference.render(&camera, SIZE_PX, &queries, &|_, _| {}));
+}
+
+#[divan::bench(args = ["room", "knot13k", "boxes1k", "plant"], sample_count = 20)]
+fn frame(bencher: Bencher<'_, '_>, name: &str) {
+    let choice = std::env::var("SHADOWGRAPH_ADAPTER").map_or(AdapterChoice::Auto, AdapterChoice::Named);
+    let Ok(gpu) = Gpu::open(&choice) else { return };
+    let (scene, camera) = scene(name);
+    let mut renderer = Renderer::new(gpu, shadowgraph::nodes::catalog());
+    let request = FrameRequest::new(camera, [640, 360]);
+    renderer.render(&scene, &request, &RenderOptions::default()).unwrap();
+    bencher.bench_local(|| renderer.render(&scene, &request, &RenderOptions::default()).unwrap());
+}
