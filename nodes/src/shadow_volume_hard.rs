@@ -311,6 +311,12 @@ impl ShadowVolumeHard {
                 instance.name, c.unbalanced_edges, c.signed_volume
             )));
         }
+        // Bending can push parts of a mesh through others, inside out. Where such a part is single-sided, the eye sees
+        // through its walls into a place that only triangles turned away from the light shadow.
+        let single_sided = instance.materials.iter().any(|material| !material.double_sided);
+        if instance.mesh.is_posed() && single_sided {
+            return Ok(Half::Both);
+        }
         // Inside the solid, light or eye would see its walls from behind, which cast nothing in this mode.
         let local_from_world = instance.world_from_local.inverse();
         let position = light.light().position;

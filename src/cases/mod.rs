@@ -16,6 +16,7 @@ mod glass;
 mod lights;
 mod many;
 mod maps;
+mod moving;
 mod planar;
 mod repairs;
 mod soft;

@@ -110,6 +110,12 @@ impl Stage {
         self
     }
 
+    /// Anything else that the scene needs.
+    pub(super) fn with(mut self, change: impl FnOnce(&mut Scene)) -> Self {
+        change(&mut self.scene);
+        self
+    }
+
     /// A mesh whose parts wear the given materials.
     pub(super) fn caster_in(mut self, data: MeshData, materials: Vec<Material>) -> Self {
         let name = data.name.clone();

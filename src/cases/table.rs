@@ -2,7 +2,8 @@
 
 use super::stage::Stage;
 use super::{
-    Answer, CaseEntry, counts, eyes, glass, lights, many, maps, planar, repairs, soft, topology, transforms,
+    Answer, CaseEntry, counts, eyes, glass, lights, many, maps, moving, planar, repairs, soft, topology,
+    transforms,
 };
 
 /// Glass is the business of coloured techniques alone.
@@ -24,8 +25,6 @@ const MAPS: &[(&str, Answer)] = {
         Answer::Approximates { why: "texels and biases: wrong as far as the stated bias reaches" };
     &[("ShadowMap", NEAR), ("SilhouetteMap", NEAR)]
 };
-
-const MOVING: &str = "skins, morph targets and animation in the scene graph";
 
 const fn row(
     id: &'static str,
@@ -269,10 +268,15 @@ const ROWS: &[CaseEntry] = &[
     row("light-crosses-frustum", "popping and scissor errors", "no popping", lights::light_crosses_frustum),
     row("index-65536", "16-bit indices", "exact", many::index_65536),
     // Moving geometry.
-    wait("skinned-extreme", "stale silhouettes of a skinned mesh", "as the posed reference", MOVING),
-    wait("morph", "stale silhouettes of a morphed mesh", "as the posed reference", MOVING),
+    row(
+        "skinned-extreme",
+        "stale silhouettes of a skinned mesh",
+        "as the posed reference",
+        moving::skinned_extreme,
+    ),
+    row("morph", "stale silhouettes of a morphed mesh", "as the posed reference", moving::morph),
     row("instanced-1000", "a thousand instances of one mesh", "as the posed reference", many::instanced_1000),
-    wait("animated", "stale silhouettes of animated nodes", "as the posed reference", MOVING),
+    row("animated", "stale silhouettes of animated nodes", "as the posed reference", moving::animated),
     // Transparent casters.
     answered(GLASS, row("alpha-0", "log of nothing", "no shadow", glass::alpha_0)),
     answered(GLASS, row("alpha-1", "log 0", "black", glass::alpha_1)),

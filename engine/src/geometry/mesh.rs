@@ -130,6 +130,12 @@ impl Mesh {
         Ok(Self { rest: Some(Arc::clone(rest)), ..Self::new(data)? })
     }
 
+    /// Whether it is a pose of another mesh ([`Mesh::posed`]): then parts of it may have been pushed through others,
+    /// inside out.
+    pub fn is_posed(&self) -> bool {
+        self.rest.is_some()
+    }
+
     /// The highest joint that a vertex follows; `None` for a mesh without influences.
     pub fn highest_joint(&self) -> Option<usize> {
         self.data.influences.iter().flat_map(Influences::joints).max().map(usize::from)
