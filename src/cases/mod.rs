@@ -17,6 +17,7 @@ mod lights;
 mod many;
 mod maps;
 mod planar;
+mod masks;
 mod repairs;
 mod soft;
 mod stage;

@@ -2,7 +2,7 @@
 
 use super::stage::Stage;
 use super::{
-    Answer, CaseEntry, counts, eyes, glass, lights, many, maps, planar, repairs, soft, topology, transforms,
+    Answer, CaseEntry, counts, eyes, glass, lights, many, maps, masks, planar, repairs, soft, topology, transforms,
 };
 
 /// Glass is the business of coloured techniques alone.
@@ -178,8 +178,8 @@ const ROWS: &[CaseEntry] = &[
     row(
         "alpha-mask",
         "a leaf card with holes casts a solid slab",
-        "exact per texel, or a typed refusal",
-        topology::alpha_mask,
+        "exact per texel",
+        masks::alpha_mask,
     ),
     row(
         "terminator",

@@ -9,6 +9,7 @@
 mod bvh;
 mod distance;
 mod evaluate;
+mod holes;
 pub mod json;
 mod metrics;
 pub mod pictures;
