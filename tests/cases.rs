@@ -5,12 +5,14 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, DVec4, Vec2};
+use glam::{DVec3, DVec4, Vec2, Vec3};
 use shadowgraph::cases::sweeps::{self, Axis};
 use shadowgraph::cases::{self, Case, Expect};
 use shadowgraph::measure::LightSize;
 use shadowgraph_engine::math::{Aabb, facing_sign};
-use shadowgraph_engine::scene::{Image, Instance, Material, Posed, PosedCamera, PosedLight};
+use shadowgraph_engine::scene::{
+    AlphaMode, Image, Instance, Material, Posed, PosedCamera, PosedLight, TexCoord, TextureRef, Wrap,
+};
 
 /// Every id of the documentation.
 const IDS: &[&str] = &[
@@ -114,9 +116,57 @@ const IDS: &[&str] = &[
     "4096",
 ];
 
+/// A triangle's mask by its nearest texels: enough for points well inside holes and leaves.
+struct Mask {
+    image: Option<(Arc<Image>, TextureRef)>,
+    uvs: [Vec2; 3],
+    alphas: [f32; 3],
+    cutoff: f32,
+}
+
+impl Mask {
+    fn of(posed: &Posed, instance: &Instance, triangle: usize) -> Option<Self> {
+        let material = instance.material_of(triangle);
+        let AlphaMode::Mask { cutoff } = material.alpha_mode else { return None };
+        let (data, corners) = (instance.mesh.data(), instance.mesh.triangle(triangle));
+        let texture = material.base_color_texture;
+        let second = texture.is_some_and(|texture| texture.tex_coord == TexCoord::Second);
+        let uvs = if second { &data.second_uvs } else { &data.uvs };
+        let alpha = |vertex: u32| data.colors.get(vertex as usize).map_or(1.0, |color| color.w);
+        Some(Self {
+            image: texture.map(|texture| (Arc::clone(&posed.images[&texture.image]), texture)),
+            uvs: corners.map(|vertex| uvs.get(vertex as usize).copied().unwrap_or_default()),
+            alphas: corners.map(alpha),
+            cutoff,
+        })
+    }
+
+    /// Whether there is no hole at the point of these weights of the second and third corner.
+    fn is_there(&self, [u, v]: [f64; 2]) -> bool {
+        let weights = Vec3::new((1.0 - u - v) as f32, u as f32, v as f32);
+        let mut alpha = Vec3::from(self.alphas).dot(weights);
+        if let Some((image, texture)) = &self.image {
+            let [a, b, c] = self.uvs;
+            let uv = (a * weights.x + b * weights.y + c * weights.z).extend(1.0);
+            let place = texture.transform.rows().map(|row| row.dot(uv));
+            let texel = |axis: usize, size: u32| match texture.wrap[axis] {
+                Wrap::Clamp => (place[axis].clamp(0.0, 0.9999) * size as f32) as u32,
+                Wrap::Repeat => (place[axis].rem_euclid(1.0) * size as f32) as u32 % size,
+                Wrap::Mirror => {
+                    let within = place[axis].rem_euclid(2.0);
+                    (within.min(2.0 - within) * size as f32) as u32 % size
+                }
+            };
+            let (x, y) = (texel(0, image.width), texel(1, image.height));
+            alpha *= f32::from(image.rgba8[((y * image.width + x) * 4 + 3) as usize]) / 255.0;
+        }
+        alpha >= self.cutoff
+    }
+}
+
 /// A posed scene as bare triangles, one box for each instance.
 struct Soup {
-    instances: Vec<(Aabb, Vec<[DVec3; 3]>)>,
+    instances: Vec<(Aabb, Vec<([DVec3; 3], Option<Mask>)>)>,
     glass: Vec<Glass>,
 }
 
@@ -153,7 +203,7 @@ impl Soup {
     fn new(posed: &Posed) -> Self {
         let of = |i: &Instance| {
             let opaque = (0..i.mesh.triangle_count()).filter(|t| i.material_of(*t).is_opaque());
-            let triangles = opaque.map(|t| i.world_triangle(t)).collect();
+            let triangles = opaque.map(|t| (i.world_triangle(t), Mask::of(posed, i, t))).collect();
             (i.world_bounds.expanded(i.world_bounds.radius() * 1e-9), triangles)
         };
         let glass = |i: &Instance, triangle: usize| {
@@ -181,10 +231,11 @@ impl Soup {
             if !bounds.intersects_ray(origin, direction, limits[1]) {
                 continue;
             }
-            for triangle in triangles {
-                if let Some((t, _)) = crossing(triangle, origin, direction)
+            for (triangle, mask) in triangles {
+                if let Some((t, weights)) = crossing(triangle, origin, direction)
                     && t > limits[0]
                     && t < best.map_or(limits[1], |b| b.0)
+                    && mask.as_ref().is_none_or(|mask| mask.is_there(weights))
                 {
                     best = Some((t, *triangle));
                 }

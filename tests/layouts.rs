@@ -59,7 +59,7 @@ fn light() {
 
 #[test]
 fn material() {
-    assert_same("surface_shade", "Material", MaterialUniform::layout());
+    assert_same("common/material", "Material", MaterialUniform::layout());
 }
 
 #[test]
@@ -67,10 +67,20 @@ fn volume() {
     assert_same("shadow_volume_hard", "Volume", VolumeUniform::layout());
 }
 
+#[test]
+fn masked_volumes() {
+    for (structure, rust) in shadowgraph_nodes::common::masked::layouts() {
+        let rust = owned(rust);
+        let (wgsl, stride) = wgsl_layout(&parse("masked_volume", &[]), structure);
+        assert_eq!(rust, wgsl, "{structure}: Rust left, masked_volume.wgsl right");
+        assert_eq!(rust.1, stride, "{structure} in an array");
+    }
+}
+
 /// A structure that a shader binds and no test compares would drift unseen.
 #[test]
 fn every_structure_bound_as_data_is_compared() {
-    let compared = ["Frame", "Instance", "Light", "Material", "Volume"];
+    let compared = ["Frame", "Instance", "Light", "MaskedCasters", "MaskedTriangle", "Material", "Volume"];
     for name in shadowgraph_shaders::names() {
         let module = parse(name, &[]);
         for (_, variable) in module.global_variables.iter() {

@@ -87,19 +87,29 @@ fn every_accepted_value_is_accepted() {
 }
 
 #[test]
-fn alpha_masked_casters_are_refused_by_name() {
+fn masked_casters_are_asked_texel_by_texel_and_are_no_solids() {
     let mut scene = yard();
     let leaves = Material { alpha_mode: AlphaMode::Mask { cutoff: 0.5 }, ..Material::default() };
+    let mut solid = scene.clone();
     scene.add_mesh(quad("hedge", 1.0), leaves.clone(), at(3.0, 1.0, 0.0));
     let crate_node = scene.find("crate").unwrap();
     let mut scoped = scene.clone();
     scene.add_shadow("shadows", hard(&[]));
-    let error = shadow_error(&scene, &request());
-    assert!(matches!(&error, ShadowError::CasterRefused { .. }));
-    assert_names(&error, &["'shadows'", "ShadowVolumeHard", "'hedge'", "alpha-masked"]);
-    // Nobody asks a caster that is not in the node's scope, or that may not cast.
+    let plan_of_all = plan(&scene, &request());
+    let masks: Vec<_> = plan_of_all.passes_named("masks of lamp").collect();
+    assert_eq!(masks.len(), 1, "{plan_of_all}");
+    // Two triangles, a prism of 24 vertices each; the crate goes on counting in the stencil.
+    assert_eq!(masks[0].draws.iter().map(|draw| draw.vertices()).sum::<u64>(), 48);
+    assert!(volume_draws(&plan_of_all, "lamp").iter().all(|draw| draw.name.starts_with("crate ")));
+    // What is not in the node's scope costs nothing.
     scoped.add_shadow("shadows", hard(&[]).with_casters([crate_node]));
-    assert_eq!(volume_draws(&plan(&scoped, &request()), "lamp").len(), 1);
+    assert_eq!(plan(&scoped, &request()).passes_named("masks").count(), 0);
+    // A box with holes has no inside.
+    solid.add_mesh(unit_box("basket"), leaves, at(3.0, 1.0, 0.0));
+    solid.add_shadow("shadows", hard(&[("geometry", "closed")]));
+    let error = shadow_error(&solid, &request());
+    assert!(matches!(&error, ShadowError::Unsupported { .. }));
+    assert_names(&error, &["'shadows'", "ShadowVolumeHard", "'basket'", "geometry=closed", "auto, open"]);
 }
 
 #[test]

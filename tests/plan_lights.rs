@@ -31,7 +31,7 @@ fn mask(plan: &FramePlan) -> Option<(TextureFormat, u32, u64)> {
             assert_eq!(size_px, plan.size_px);
             Some((format, layers, slot.bytes()))
         }
-        SlotKind::Buffer { .. } => panic!("the mask is a texture"),
+        SlotKind::Buffer { .. } | SlotKind::Image { .. } => panic!("the mask is a texture"),
     }
 }
 

@@ -9,6 +9,7 @@ const EXCLUSIVE: &[(&str, [&str; 2])] = &[("surface_factor", ["COUNTS", "VISIBIL
 
 /// What plans, and the engine's own styles, ask of each module: at least these flags and entry points must be there.
 const USED: &[(&str, &[&str], &[&str])] = &[
+    ("masked_volume", &["BASE_COLOR_TEXTURE"], &["vertex", "darken"]),
     ("nothing", &[], &["nothing"]),
     ("resolve_mask", &[], &["fullscreen_vertex", "mark", "darken"]),
     (
@@ -17,8 +18,8 @@ const USED: &[(&str, &[&str], &[&str])] = &[
         &["vertex", "fullscreen_vertex", "count", "count_front", "count_back", "darken_counted"],
     ),
     ("surface_depth", &[], &["vertex"]),
-    ("surface_factor", &["COUNTS", "VISIBILITY"], &["vertex", "factor"]),
-    ("surface_measure", &[], &["vertex", "visible_triangle"]),
+    ("surface_factor", &["COUNTS", "VISIBILITY", "MASKED"], &["vertex", "factor"]),
+    ("surface_measure", &["MASKED"], &["vertex", "visible_triangle"]),
     ("surface_shade", SHADE_FLAGS, &["vertex", "opaque", "blended", "masked_depth"]),
 ];
 
@@ -34,6 +35,7 @@ const SHADE_FLAGS: &[&str] = &[
     "OCCLUSION_TEXTURE",
     "ONE_CHANNEL",
     "ONE_LIGHT",
+    "SECOND_UV",
     "SMOOTH_TERMINATOR",
     "UNLIT",
     "VERTEX_COLOR",

@@ -16,11 +16,12 @@
 //!   depth counts as "not in front": no bias anywhere.
 //! - Vertices are extruded along vertex − light computed in two-float precision, so that a light may touch a caster.
 //! - Sides end on one plane behind everything that can receive, where that is exact.
+//! - Alpha-masked triangles cast texel by texel, into the light's visibility: see [`crate::common::masked`].
 //! - Counts of any size stay exact in the 8-bit stencil: see [`crate::common::layer_groups`]; or in a float target.
 //!
 //! This file says what is chosen and why; `options` how it is asked for, `draws` how it is drawn.
 //!
-//! *Limits.* Alpha-masked casters are refused; blended ones cast through coloured techniques. Rasterisation snaps
+//! *Limits.* Blended casters cast through coloured techniques. Rasterisation snaps
 //! vertices to 1/256 pixel, so pixels whose centre is that near a shadow edge may fall to either side. A light nearer to
 //! a caster than about 10⁻⁵ of its size, but not touching it, sees edges span half circles: single pixels go wrong.
 
@@ -39,6 +40,7 @@ use shadowgraph_engine::shadow::{Features, LightPlan, Requirements, ShadowError,
 use crate::common::culling::near_plane_may_be_shadowed;
 use crate::common::extrusion::{End, end_plane, scaled_end};
 use crate::common::layer_groups::{Caster, MAX_COUNT, group_by_layers};
+use crate::common::masked;
 use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
 use draws::{Counter, fold_pass, upload, volume_draws};
 use float_counts::count_in_float;
@@ -103,16 +105,11 @@ impl ShadowTechnique for ShadowVolumeHard {
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
-        if !instance.is_opaque() {
-            return Ok(false);
-        }
-        if instance.is_masked() {
-            return Err("alpha-masked surfaces would cast as if they had no holes".into());
-        }
-        Ok(true)
+        Ok(instance.materials.iter().any(|material| material.casts_whole() || material.casts_by_texel()))
     }
 
     fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+        self.cast_masks(light)?;
         let volumes = self.volumes(light)?;
         if volumes.is_empty() {
             return Ok(());
@@ -209,6 +206,10 @@ impl ShadowVolumeHard {
         let mut volumes = Vec::new();
         let (mut left_out, mut keep_terminator) = (Vec::new(), Vec::new());
         for (index, instance) in light.casters() {
+            let whole: Vec<bool> = instance.materials.iter().map(|material| material.casts_whole()).collect();
+            if !whole.contains(&true) {
+                continue;
+            }
             if let Err(reason) = light.may_shadow(&instance.world_bounds) {
                 left_out.push((instance, reason));
                 continue;
@@ -225,7 +226,7 @@ impl ShadowVolumeHard {
                 }
             }
             let position_bits = position.to_array().map(f64::to_bits);
-            let key = hash_of((instance.pose_key, position_bits, half, self.closure));
+            let key = hash_of((instance.pose_key, position_bits, half, self.closure, &whole));
             let facing = light
                 .cache
                 .get_or_compute("facing", key, || CasterFacing::new(instance, &shape, position, half));
@@ -255,6 +256,29 @@ impl ShadowVolumeHard {
         note_left_out(light, &left_out);
         note_left_out(light, &keep_terminator);
         Ok(volumes)
+    }
+
+    /// Casts the masked parts of all casters that can matter.
+    fn cast_masks(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+        let mut masked = Vec::new();
+        for (_, instance) in light.casters() {
+            let casts = instance.materials.iter().any(|material| material.casts_by_texel());
+            if !casts || light.may_shadow(&instance.world_bounds).is_err() {
+                continue;
+            }
+            let refusal = match (self.geometry, self.passes) {
+                (GeometryMode::Closed, _) => "geometry=closed, but '{}' has masked parts (accepted for it: auto, open)",
+                (_, Passes::Single { .. }) => {
+                    "passes=single, but '{}' has masked parts, which are no counts (accepted for it: multi)"
+                }
+                _ => {
+                    masked.push((instance, self.end(light, instance)?));
+                    continue;
+                }
+            };
+            return Err(light.unsupported(refusal.replace("{}", &instance.name)));
+        }
+        masked::cast(light, &masked)
     }
 
     /// The triangles the caster casts with: its own, and those that close it where it is open.
@@ -299,6 +323,16 @@ impl ShadowVolumeHard {
         // A sheet of faces and their reverses has no inside in which light or eye could be.
         if matches!(shape, CastShape::Doubled(_)) {
             return Ok(Half::Lit);
+        }
+        if instance.materials.iter().any(|material| !material.casts_whole()) {
+            // What is left without the parts that have holes has a boundary.
+            if self.geometry == GeometryMode::Auto {
+                return Ok(Half::Both);
+            }
+            return Err(light.unsupported(format!(
+                "geometry=closed, but parts of '{}' are masked, blended or unlit (accepted for it: auto, open)",
+                instance.name
+            )));
         }
         let topology = shape.topology();
         if topology.orientation(&instance.world_from_local).is_none() {

@@ -26,10 +26,14 @@ macro_rules! modules {
 }
 
 modules![
+    "common/alpha_mask",
+    "common/attributes",
     "common/frame",
     "common/fullscreen",
     "common/lights",
+    "common/material",
     "common/positions",
+    "masked_volume",
     "nothing",
     "resolve_mask",
     "shadow_volume_hard",

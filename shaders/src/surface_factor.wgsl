@@ -2,15 +2,18 @@
 
 #import common/frame
 #import common/positions
+#if MASKED
+#import common/attributes
+#endif
 
 @group(1) @binding(1) var<storage, read> indices: array<u32>;
 // Two bits for each triangle of the frame: bit 0, the eye sees the side turned away from the light.
-@group(1) @binding(2) var<storage, read> turned_away: array<u32>;
+@group(1) @binding(3) var<storage, read> turned_away: array<u32>;
 #if COUNTS
-@group(1) @binding(3) var counts: texture_2d<u32>;
+@group(1) @binding(4) var counts: texture_2d<u32>;
 #endif
 #if VISIBILITY
-@group(1) @binding(3) var visibility: texture_2d_array<f32>;
+@group(1) @binding(4) var visibility: texture_2d_array<f32>;
 #endif
 
 struct Varyings {
@@ -18,18 +21,37 @@ struct Varyings {
     @location(0) p_in_view: vec3f,
     @location(1) @interpolate(flat, first) dark_side: u32,
     @location(2) @interpolate(flat, first) receives: u32,
+#if MASKED
+    @location(3) uvs: Uvs,
+    @location(4) alpha: f32,
+#endif
 }
 
 @vertex
 fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) instance: u32) -> Varyings {
-    let p = local_position(indices[corner]);
+    let vertex = indices[corner];
+    let p = local_position(vertex);
     let triangle = instances[instance].first_triangle + corner / 3u;
     let dark_side = (turned_away[triangle / 32u] >> (triangle % 32u)) & 1u;
-    return Varyings(clip_from_local(instance, p), view_from_local(instance, p), dark_side, instances[instance].flags & 1u);
+    var out: Varyings;
+    out.clip = clip_from_local(instance, p);
+    out.p_in_view = view_from_local(instance, p);
+    out.dark_side = dark_side;
+    out.receives = instances[instance].flags & 1u;
+#if MASKED
+    out.uvs = vertex_uvs(vertex);
+    out.alpha = vertex_alpha(vertex);
+#endif
+    return out;
 }
 
 @fragment
 fn factor(in: Varyings) -> @location(0) vec4f {
+#if MASKED
+    if has_hole(in.uvs, in.alpha) {
+        discard;
+    }
+#endif
     if in.receives == 0u {
         return vec4f(1.0);
     }

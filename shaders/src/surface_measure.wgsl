@@ -3,6 +3,9 @@
 
 #import common/frame
 #import common/positions
+#if MASKED
+#import common/attributes
+#endif
 
 @group(1) @binding(1) var<storage, read> indices: array<u32>;
 
@@ -10,15 +13,32 @@ struct Varyings {
     @builtin(position) @invariant clip: vec4f,
     @location(0) @interpolate(flat, first) instance: u32,
     @location(1) @interpolate(flat, first) triangle: u32,
+#if MASKED
+    @location(2) uvs: Uvs,
+    @location(3) alpha: f32,
+#endif
 }
 
 @vertex
 fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) instance: u32) -> Varyings {
-    let clip = clip_from_local(instance, local_position(indices[corner]));
-    return Varyings(clip, instance, corner / 3u);
+    let vertex = indices[corner];
+    var out: Varyings;
+    out.clip = clip_from_local(instance, local_position(vertex));
+    out.instance = instance;
+    out.triangle = corner / 3u;
+#if MASKED
+    out.uvs = vertex_uvs(vertex);
+    out.alpha = vertex_alpha(vertex);
+#endif
+    return out;
 }
 
 @fragment
 fn visible_triangle(in: Varyings) -> @location(0) vec2u {
+#if MASKED
+    if has_hole(in.uvs, in.alpha) {
+        discard;
+    }
+#endif
     return vec2u(in.instance, in.triangle);
 }

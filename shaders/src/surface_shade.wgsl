@@ -5,22 +5,8 @@
 
 #import common/frame
 #import common/lights
+#import common/material
 
-struct Material {
-    base_color: vec4f,
-    emissive: vec3f,
-    metallic: f32,
-    roughness: f32,
-    normal_scale: f32,
-    occlusion_strength: f32,
-    // Holes are where alpha is below; negative when there are none.
-    alpha_cutoff: f32,
-    // Two rows for each texture: uv' = (dot(row0, (u, v, 1)), dot(row1, (u, v, 1))).
-    uv_rows: array<vec4f, 10>,
-}
-
-@group(2) @binding(0) var<uniform> material: Material;
-@group(2) @binding(1) var base_color_texture: texture_2d<f32>;
 @group(2) @binding(2) var metallic_roughness_texture: texture_2d<f32>;
 @group(2) @binding(3) var emissive_texture: texture_2d<f32>;
 @group(2) @binding(4) var normal_texture: texture_2d<f32>;
@@ -46,7 +32,7 @@ struct Varyings {
     @location(0) p_in_view: vec3f,
     @location(1) normal_in_view: vec3f,
     @location(2) @interpolate(flat, first) receives: u32,
-    @location(3) uv: vec2f,
+    @location(3) uvs: Uvs,
 #if VERTEX_COLOR
     @location(4) color: vec4f,
 #endif
@@ -61,6 +47,9 @@ fn vertex(
     @location(1) normal: vec3f,
     @location(2) uv: vec2f,
     @location(3) color: vec4f,
+#if SECOND_UV
+    @location(4) second_uv: vec2f,
+#endif
     @builtin(instance_index) instance: u32,
 ) -> Varyings {
     let i = instances[instance];
@@ -70,7 +59,11 @@ fn vertex(
     out.p_in_view = view_from_local(instance, position);
     out.normal_in_view = n;
     out.receives = i.flags & 1u;
-    out.uv = uv;
+#if SECOND_UV
+    out.uvs = vec4f(uv, second_uv);
+#else
+    out.uvs = uv;
+#endif
 #if VERTEX_COLOR
     out.color = color;
 #endif
@@ -80,21 +73,23 @@ fn vertex(
     return out;
 }
 
-// The texture coordinates of texture number `texture`, in the order of the bindings.
-fn uv_of(texture: u32, uv: vec2f) -> vec2f {
-    let uv1 = vec3f(uv, 1.0);
-    return vec2f(dot(material.uv_rows[texture * 2u].xyz, uv1), dot(material.uv_rows[texture * 2u + 1u].xyz, uv1));
-}
-
 fn base_color(in: Varyings) -> vec4f {
     var color = material.base_color;
 #if VERTEX_COLOR
     color *= in.color;
 #endif
 #if BASE_COLOR_TEXTURE
-    color *= textureSample(base_color_texture, base_color_sampler, uv_of(0u, in.uv));
+    color *= textureSample(base_color_texture, base_color_sampler, uv_of(0u, in.uvs));
 #endif
     return color;
+}
+
+fn is_hole(in: Varyings) -> bool {
+#if VERTEX_COLOR
+    return has_hole(in.uvs, in.color.a);
+#else
+    return has_hole(in.uvs, 1.0);
+#endif
 }
 
 // What fraction of `light` reaches this pixel's surface past all casters.
@@ -126,9 +121,10 @@ fn shadow_factor(light: Light, pixel: vec2u) -> vec3f {
 
 #if NORMAL_TEXTURE
 // The normal of the tangent-space map in a frame made from screen-space derivatives of position and uv.
-fn mapped_normal(n: vec3f, p: vec3f, uv: vec2f) -> vec3f {
+fn mapped_normal(n: vec3f, p: vec3f, uvs: Uvs) -> vec3f {
     let dp_dx = dpdx(p);
     let dp_dy = dpdy(p);
+    let uv = uv_of(3u, uvs);
     let duv_dx = dpdx(uv);
     let duv_dy = dpdy(uv);
     let px = cross(dp_dy, n);
@@ -136,7 +132,7 @@ fn mapped_normal(n: vec3f, p: vec3f, uv: vec2f) -> vec3f {
     let tangent = px * duv_dx.x + py * duv_dy.x;
     let bitangent = px * duv_dx.y + py * duv_dy.y;
     let size = inverseSqrt(max(max(dot(tangent, tangent), dot(bitangent, bitangent)), 1e-30));
-    let texel = textureSample(normal_texture, normal_sampler, uv_of(3u, uv)).xyz * 2.0 - 1.0;
+    let texel = textureSample(normal_texture, normal_sampler, uv).xyz * 2.0 - 1.0;
     let scaled = vec3f(texel.xy * material.normal_scale, texel.z);
     return normalize(tangent * size * scaled.x - bitangent * size * scaled.y + n * scaled.z);
 }
@@ -214,7 +210,7 @@ fn tone_mapped(radiance: vec3f) -> vec3f {
 fn shade(in: Varyings) -> vec4f {
     let base = base_color(in);
 #if MASKED
-    if base.a < material.alpha_cutoff {
+    if is_hole(in) {
         discard;
     }
 #endif
@@ -224,7 +220,7 @@ fn shade(in: Varyings) -> vec4f {
 #else
     var emitted = material.emissive;
 #if EMISSIVE_TEXTURE
-    emitted *= textureSample(emissive_texture, emissive_sampler, uv_of(2u, in.uv)).rgb;
+    emitted *= textureSample(emissive_texture, emissive_sampler, uv_of(2u, in.uvs)).rgb;
 #endif
     var s: Surface;
     s.p = in.p_in_view;
@@ -234,13 +230,13 @@ fn shade(in: Varyings) -> vec4f {
     s.n = normalize(in.normal_in_view);
     s.n = select(-s.n, s.n, dot(s.n, s.geometric) >= 0.0);
 #if NORMAL_TEXTURE
-    s.n = mapped_normal(s.n, in.p_in_view, in.uv);
+    s.n = mapped_normal(s.n, in.p_in_view, in.uvs);
 #endif
     var metallic = material.metallic;
     var roughness = material.roughness;
 #if METALLIC_ROUGHNESS_TEXTURE
     let metallic_roughness =
-        textureSample(metallic_roughness_texture, metallic_roughness_sampler, uv_of(1u, in.uv));
+        textureSample(metallic_roughness_texture, metallic_roughness_sampler, uv_of(1u, in.uvs));
     metallic *= metallic_roughness.b;
     roughness *= metallic_roughness.g;
 #endif
@@ -250,7 +246,7 @@ fn shade(in: Varyings) -> vec4f {
 
     var occlusion = 1.0;
 #if OCCLUSION_TEXTURE
-    let openness = textureSample(occlusion_texture, occlusion_sampler, uv_of(4u, in.uv)).r;
+    let openness = textureSample(occlusion_texture, occlusion_sampler, uv_of(4u, in.uvs)).r;
     occlusion = 1.0 + material.occlusion_strength * (openness - 1.0);
 #endif
     // Ambient: full from above, half from below; metals show it as a mirror of the same sky.
@@ -285,7 +281,7 @@ fn blended(in: Varyings) -> @location(0) vec4f {
 // Depth only, with the holes of an alpha mask.
 @fragment
 fn masked_depth(in: Varyings) {
-    if base_color(in).a < material.alpha_cutoff {
+    if is_hole(in) {
         discard;
     }
 }

@@ -18,6 +18,7 @@ mod many;
 mod maps;
 mod moving;
 mod planar;
+mod masks;
 mod repairs;
 mod soft;
 mod stage;

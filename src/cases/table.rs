@@ -2,7 +2,7 @@
 
 use super::stage::Stage;
 use super::{
-    Answer, CaseEntry, counts, eyes, glass, lights, many, maps, moving, planar, repairs, soft, topology,
+    Answer, CaseEntry, counts, eyes, glass, lights, many, maps, masks, moving, planar, repairs, soft, topology,
     transforms,
 };
 
@@ -177,8 +177,8 @@ const ROWS: &[CaseEntry] = &[
     row(
         "alpha-mask",
         "a leaf card with holes casts a solid slab",
-        "exact per texel, or a typed refusal",
-        topology::alpha_mask,
+        "exact per texel",
+        masks::alpha_mask,
     ),
     row(
         "terminator",

@@ -2,12 +2,11 @@
 
 use std::f32::consts::TAU;
 
-use glam::{DQuat, DVec3, Vec2, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 use shadowgraph_engine::geometry::MeshData;
 use shadowgraph_engine::geometry::shapes::{Ends, cylinder, icosphere, quad, sheet, uv_sphere};
-use shadowgraph_engine::scene::{AlphaMode, Material, placed};
+use shadowgraph_engine::scene::{Material, placed};
 
-use super::Expect;
 use super::lights::open_block;
 use super::stage::{Stage, at, block, p, triangles, v};
 
@@ -251,20 +250,4 @@ pub(super) fn terminator() -> Vec<Stage> {
                 .eye(p(1.0, 2.0, 4.5), p(0.0, 1.0, 0.0))
         })
         .to_vec()
-}
-
-pub(super) fn alpha_mask() -> Vec<Stage> {
-    let mut stage = Stage::new("leaf-card").floor().point(p(-0.5, 4.0, 0.5));
-    let holes = stage.texture(16, |x, y| {
-        let inside = Vec2::new(x as f32 - 7.5, y as f32 - 7.5).length() < 7.0 && (x / 2 + y / 2) % 2 == 0;
-        [60, 120, 40, if inside { 255 } else { 0 }]
-    });
-    let material = Material {
-        base_color_texture: Some(holes),
-        alpha_mode: AlphaMode::Mask { cutoff: 0.5 },
-        ..Material::matt("leaf", Vec3::ONE)
-    };
-    let card = quad([v(-0.7, 1.0, 0.7), v(0.7, 1.0, 0.7), v(0.7, 1.3, -0.7), v(-0.7, 1.3, -0.7)]);
-    let why = "the caster's holes are in its texture; volumes are built from whole triangles";
-    vec![stage.caster_in(card, vec![material]).expects(Expect::Refused { why })]
 }

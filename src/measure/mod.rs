@@ -10,6 +10,7 @@ mod area;
 mod bvh;
 mod distance;
 mod evaluate;
+mod holes;
 pub mod json;
 mod metrics;
 pub mod pictures;

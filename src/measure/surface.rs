@@ -8,7 +8,9 @@
 
 use glam::{DVec3, DVec4};
 use shadowgraph_engine::math::{Aabb, orient_sign};
-use shadowgraph_engine::scene::{AlphaMode, Instance, Posed};
+use shadowgraph_engine::scene::{Instance, Posed};
+
+use super::holes::Mask;
 
 /// The error of a world position, relative to the largest coordinate around: an f32 position under an f64 transform
 /// loses about 4·2⁻⁵³ in each coordinate, and a determinant of differences feels it at most 2√3 times in each factor.
@@ -35,7 +37,8 @@ pub(super) struct Triangle {
     pub(super) casts: bool,
     /// Whether shadows fall on it.
     pub(super) receives: bool,
-    masked: bool,
+    /// Where it has holes; `None` when it is whole.
+    mask: Option<Box<Mask>>,
 }
 
 impl Triangle {
@@ -45,7 +48,7 @@ impl Triangle {
             .instances
             .iter()
             .enumerate()
-            .flat_map(|(index, instance)| of_instance(index, instance))
+            .flat_map(|(index, instance)| of_instance(posed, index, instance))
             .collect()
     }
 
@@ -55,10 +58,8 @@ impl Triangle {
     }
 
     /// Whether it has a hole at `point`.
-    ///
-    /// The one place where a masked texel will be looked up; until then masked surfaces count as whole.
-    fn has_hole_at(&self, _point: DVec3) -> bool {
-        false
+    fn has_hole_at(&self, point: DVec3) -> bool {
+        self.mask.as_ref().is_some_and(|mask| mask.has_hole_at(&self.corners, point))
     }
 
     /// Whether the line through `from` along `direction` passes through it, its edges included.
@@ -82,7 +83,7 @@ impl Triangle {
             return None;
         }
         let t = self.plane_parameter(from, direction)?;
-        (!self.masked || !self.has_hole_at(from + direction * t)).then_some(t)
+        (!self.has_hole_at(from + direction * t)).then_some(t)
     }
 
     /// Where the ray meets the triangle's plane, if it does.
@@ -137,12 +138,16 @@ impl Triangle {
         let facing = self.facing(light);
         facing != 0 && self.side_of(point, coordinate_m) == -facing && {
             let crossing = || self.plane_parameter(point, direction).map_or(point, |t| point + direction * t);
-            !self.masked || !self.has_hole_at(crossing())
+            self.mask.is_none() || !self.has_hole_at(crossing())
         }
     }
 }
 
-fn of_instance(index: usize, instance: &Instance) -> impl Iterator<Item = Triangle> + '_ {
+fn of_instance<'a>(
+    posed: &'a Posed,
+    index: usize,
+    instance: &'a Instance,
+) -> impl Iterator<Item = Triangle> + 'a {
     let mirrored = instance.world_from_local.matrix3.determinant() < 0.0;
     (0..instance.mesh.triangle_count()).filter_map(move |triangle| {
         let material = instance.material_of(triangle);
@@ -157,7 +162,7 @@ fn of_instance(index: usize, instance: &Instance) -> impl Iterator<Item = Triang
             },
             casts: !material.unlit,
             receives: instance.shadow.receives && !material.unlit,
-            masked: matches!(material.alpha_mode, AlphaMode::Mask { .. }),
+            mask: Mask::of(posed, instance, triangle),
         })
     })
 }
@@ -170,7 +175,7 @@ mod tests {
 
     fn triangle(corners: [DVec3; 3]) -> Triangle {
         let (instance, triangle, front) = (0, 0, 0);
-        Triangle { corners, instance, triangle, front, casts: true, receives: true, masked: false }
+        Triangle { corners, instance, triangle, front, casts: true, receives: true, mask: None }
     }
 
     fn point() -> impl Strategy<Value = DVec3> {

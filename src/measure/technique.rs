@@ -49,10 +49,7 @@ impl ShadowTechnique for ReferenceShadow {
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
-        if instance.is_masked() {
-            return Err("the reference does not look up alpha masks yet".into());
-        }
-        Ok(instance.is_opaque())
+        Ok(instance.materials.iter().any(|material| material.is_opaque() && !material.unlit))
     }
 
     fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
@@ -63,8 +60,12 @@ impl ShadowTechnique for ReferenceShadow {
         // Everything a pixel depends on: the geometry, who casts, the light, the camera and the size.
         let poses: Vec<(u64, bool)> =
             posed.instances.iter().map(|i| (i.pose_key, i.shadow.receives)).collect();
+        let worn = posed.instances.iter().flat_map(|instance| &instance.materials);
+        let worn: Vec<String> = worn
+            .map(|m| format!("{:?}", (m.alpha_mode, m.base_color.w, m.base_color_texture, m.double_sided, m.unlit)))
+            .collect();
         let seen_from = (format!("{:?}", view.camera), format!("{:?}", light.light()), view.size_px);
-        let key = hash_of(("reference", poses, &casters, seen_from));
+        let key = hash_of(("reference", poses, worn, &casters, seen_from));
         let factors = light.cache.get_or_compute("reference factors", key, || {
             let query = LightQuery { light: index, casters };
             let image = Reference::new(posed).render(&view.camera, view.size_px, &[query], &|_, _| {});

@@ -23,6 +23,8 @@ pub struct MeshData {
     pub normals: Vec<Vec3>,
     /// Texture coordinates.
     pub uvs: Vec<Vec2>,
+    /// Second texture coordinates.
+    pub second_uvs: Vec<Vec2>,
     /// Linear vertex colours that multiply the base colour.
     pub colors: Vec<Vec4>,
     /// Three indices per triangle, counter-clockwise seen from the front.
@@ -121,6 +123,7 @@ impl Mesh {
             positions,
             name: rest.data.name.clone(),
             uvs: rest.data.uvs.clone(),
+            second_uvs: rest.data.second_uvs.clone(),
             colors: rest.data.colors.clone(),
             indices: rest.data.indices.clone(),
             parts: rest.data.parts.clone(),
@@ -178,6 +181,12 @@ impl Mesh {
         std::array::from_fn(|corner| self.data.indices[triangle * 3 + corner])
     }
 
+    /// The colour of `vertex` as shaders see it, with 8 bits a channel; white without colours.
+    pub fn color8(&self, vertex: u32) -> [u8; 4] {
+        let byte = |channel: f32| (channel.clamp(0.0, 1.0) * 255.0).round() as u8;
+        self.data.colors.get(vertex as usize).map_or([255; 4], |color| color.to_array().map(byte))
+    }
+
     /// The number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.data.indices.len() / 3
@@ -224,9 +233,12 @@ fn validate(data: &MeshData) -> Result<(), MeshError> {
         let Vec3 { x, y, z } = data.positions[vertex];
         return Err(MeshError::BadPosition { mesh: mesh(), vertex, x, y, z });
     }
-    for (stream, count) in
-        [("normals", data.normals.len()), ("uvs", data.uvs.len()), ("colors", data.colors.len())]
-    {
+    for (stream, count) in [
+        ("normals", data.normals.len()),
+        ("uvs", data.uvs.len()),
+        ("second uvs", data.second_uvs.len()),
+        ("colors", data.colors.len()),
+    ] {
         if count != 0 && count != vertices {
             return Err(MeshError::StreamLength { mesh: mesh(), stream, count, vertices });
         }

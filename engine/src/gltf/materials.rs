@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 
 use super::GltfError;
 use super::images::Images;
-use crate::scene::{AlphaMode, Material, TextureRef, UvTransform, Wrap};
+use crate::scene::{AlphaMode, Material, TexCoord, TextureRef, UvTransform, Wrap};
 
 /// The material of a primitive that names none: the default one of the glTF specification.
 pub(super) fn gltf_default() -> Material {
@@ -133,7 +133,7 @@ fn transform_in(others: Option<&Map<String, Value>>) -> Result<Option<TextureTra
     })
 }
 
-/// The texture in a slot; none, with a warning, where it wants other texture coordinates than the first.
+/// The texture in a slot; none, with a warning, where it wants other texture coordinates than the first two.
 fn texture(
     root: &json::Root,
     material: &str,
@@ -141,12 +141,16 @@ fn texture(
     images: &mut Images<'_>,
 ) -> Result<Option<TextureRef>, GltfError> {
     let tex_coord = slot.transform.and_then(|transform| transform.tex_coord).unwrap_or(slot.tex_coord);
-    if tex_coord != 0 {
-        images.warnings.add(format!(
-            "material '{material}': a texture on TEXCOORD_{tex_coord} is ignored (TEXCOORD_0 is supported)"
-        ));
-        return Ok(None);
-    }
+    let tex_coord = match tex_coord {
+        0 => TexCoord::First,
+        1 => TexCoord::Second,
+        more => {
+            images.warnings.add(format!(
+                "material '{material}': a texture on TEXCOORD_{more} is ignored (TEXCOORD_0 and 1 are supported)"
+            ));
+            return Ok(None);
+        }
+    };
     let Some(texture) = root.textures.get(slot.texture) else { return Ok(None) };
     let image = images.key(texture.source.value())?;
     let sampler = texture.sampler.and_then(|sampler| root.get(sampler));
@@ -162,7 +166,7 @@ fn texture(
         let item = format!("material '{material}'");
         return Err(GltfError::Content { item, problem: "its texture transforms must be finite".into() });
     }
-    Ok(Some(TextureRef { image, wrap, smooth: !blocky, transform }))
+    Ok(Some(TextureRef { image, wrap, smooth: !blocky, tex_coord, transform }))
 }
 
 fn wrap(mode: &Checked<WrappingMode>) -> Wrap {

@@ -27,6 +27,7 @@ struct Streams {
     positions: usize,
     normals: Option<usize>,
     uvs: Option<usize>,
+    second_uvs: Option<usize>,
     colors: Option<usize>,
     bend: BendStreams,
 }
@@ -68,6 +69,7 @@ pub(super) fn read(
             positions: stream(Semantic::Positions).ok_or_else(|| wrong("it has no POSITION".into()))?,
             normals: stream(Semantic::Normals),
             uvs: stream(Semantic::TexCoords(0)),
+            second_uvs: stream(Semantic::TexCoords(1)),
             colors: stream(Semantic::Colors(0)),
             bend: BendStreams::of(primitive, mesh, &wrong, warnings)?,
         };
@@ -118,6 +120,9 @@ fn pad(data: &mut MeshData, vertices: usize) {
     if !data.uvs.is_empty() {
         data.uvs.resize(vertices, Vec2::ZERO);
     }
+    if !data.second_uvs.is_empty() {
+        data.second_uvs.resize(vertices, Vec2::ZERO);
+    }
     if !data.colors.is_empty() {
         data.colors.resize(vertices, Vec4::ONE);
     }
@@ -153,6 +158,12 @@ fn append(
         same_length("TEXCOORD_0", uvs.len())?;
         data.uvs.resize(start, Vec2::ZERO);
         data.uvs.extend(uvs.into_iter().map(Vec2::from));
+    }
+    if let Some(uvs) = streams.second_uvs {
+        let uvs = accessors.floats::<2>(uvs, "TEXCOORD_1", Integers::AsDeclared, budget)?;
+        same_length("TEXCOORD_1", uvs.len())?;
+        data.second_uvs.resize(start, Vec2::ZERO);
+        data.second_uvs.extend(uvs.into_iter().map(Vec2::from));
     }
     if let Some(colors) = streams.colors {
         data.colors.resize(start, Vec4::ONE);
@@ -223,6 +234,7 @@ fn unshare(data: &mut MeshData, run: Run, triangles: &[[u32; 3]]) {
     }
     gather(&mut data.positions, run.start, triangles);
     gather(&mut data.uvs, run.start, triangles);
+    gather(&mut data.second_uvs, run.start, triangles);
     gather(&mut data.colors, run.start, triangles);
     gather(&mut data.influences, run.start, triangles);
     for target in &mut data.morphs {

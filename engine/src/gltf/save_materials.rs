@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 
 use super::GltfError;
 use super::save_meshes::Binary;
-use crate::scene::{AlphaMode, ImageKey, Material, MaterialKey, Scene, TextureRef, UvTransform, Wrap};
+use crate::scene::{AlphaMode, ImageKey, Material, MaterialKey, Scene, TexCoord, TextureRef, UvTransform, Wrap};
 
 /// The materials written so far, and what they wear.
 #[derive(Debug, Default)]
@@ -152,6 +152,9 @@ impl Materials {
             self.textures.push(json!({ "source": source, "sampler": sampler }));
         }
         let mut info = json!({ "index": index });
+        if texture.tex_coord == TexCoord::Second {
+            info["texCoord"] = 1.into();
+        }
         let transform = texture.transform;
         if !(transform.offset.is_finite()
             && transform.rotation_rad.is_finite()

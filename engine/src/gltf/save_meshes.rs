@@ -87,6 +87,10 @@ impl Binary {
         if !data.uvs.is_empty() {
             attributes["TEXCOORD_0"] = self.add_stream("VEC2", data.uvs.iter().map(Vec2::to_array)).into();
         }
+        if !data.second_uvs.is_empty() {
+            let uvs = data.second_uvs.iter().map(Vec2::to_array);
+            attributes["TEXCOORD_1"] = self.add_stream("VEC2", uvs).into();
+        }
         if !data.colors.is_empty() {
             attributes["COLOR_0"] = self.add_stream("VEC4", data.colors.iter().map(Vec4::to_array)).into();
         }

@@ -159,7 +159,7 @@ impl Executor {
         }
         self.begin_frame();
         self.upload_scene(plan, inputs)?;
-        let slots = self.slots(plan);
+        let slots = self.slots(plan, inputs.posed)?;
         let frame_group = self.frame_group(plan, inputs);
         let groups = group_passes(plan, inputs.timing != Timing::Passes);
         let queries = self.queries(inputs.timing, groups.len());
@@ -256,7 +256,7 @@ impl Executor {
     }
 
     /// Textures and buffers of the plan: last frame's where they are the same.
-    fn slots(&mut self, plan: &FramePlan) -> Vec<GpuSlot> {
+    fn slots(&mut self, plan: &FramePlan, posed: &Posed) -> Result<Vec<GpuSlot>, GpuError> {
         let frame = self.frame;
         let mut slots = Vec::with_capacity(plan.slots.len());
         for slot in &plan.slots {
@@ -297,9 +297,12 @@ impl Executor {
                     kept.last_used_frame = frame;
                     GpuSlot::Buffer(kept.value.clone())
                 }
+                SlotKind::Image { image } => {
+                    GpuSlot::Texture(self.materials.base_color_image(&self.gpu, posed.images.get(image))?)
+                }
             });
         }
-        slots
+        Ok(slots)
     }
 
     /// Group 0: the frame, the instances and the lights as this camera sees them.

@@ -10,9 +10,9 @@ use glam::Vec2;
 use super::uniforms::layout;
 use super::{Gpu, GpuError};
 use crate::geometry::Mesh;
-use crate::scene::{AlphaMode, Image, ImageKey, Material, TextureRef, Wrap};
+use crate::scene::{Image, ImageKey, Material, TexCoord, TextureRef, Wrap};
 
-/// `struct Material` of surface_shade.wgsl.
+/// `struct Material` of common/material.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct MaterialUniform {
@@ -23,10 +23,14 @@ pub struct MaterialUniform {
     normal_scale: f32,
     occlusion_strength: f32,
     alpha_cutoff: f32,
+    mask_reading: u32,
+    uv_sets: u32,
+    pad_0: u32,
+    pad_1: u32,
     uv_rows: [[f32; 4]; 10],
 }
 
-layout!(MaterialUniform: base_color, emissive, metallic, roughness, normal_scale, occlusion_strength, alpha_cutoff, uv_rows);
+layout!(MaterialUniform: base_color, emissive, metallic, roughness, normal_scale, occlusion_strength, alpha_cutoff, mask_reading, uv_sets, pad_0, pad_1, uv_rows);
 
 /// The material textures, in the order of their bindings, and whether their colours are sRGB.
 fn textures(material: &Material) -> [(Option<TextureRef>, bool); 5] {
@@ -42,17 +46,26 @@ fn textures(material: &Material) -> [(Option<TextureRef>, bool); 5] {
 /// What a surface has, as bits: the shader is composed with the flags of [`FEATURE_FLAGS`] whose bits are set.
 pub(crate) fn features(material: &Material, mesh: &Mesh, lights: usize) -> u32 {
     let mut bits = u32::from(material.unlit);
-    bits |= u32::from(matches!(material.alpha_mode, AlphaMode::Mask { .. })) << 1;
+    bits |= u32::from(material.cutoff().is_some()) << 1;
     for (index, (texture, _)) in textures(material).iter().enumerate() {
         bits |= u32::from(texture.is_some()) << (index + 2);
     }
     bits |= u32::from(!mesh.data().colors.is_empty()) << 7;
     bits |= u32::from(lights > FEW_LIGHTS) << 8;
-    bits | u32::from(lights == 1) << 9
+    bits |= u32::from(lights == 1) << 9;
+    bits | u32::from(second_uvs(material) != 0) << 10
 }
 
+/// One bit for each texture that lies on the second texture coordinates.
+fn second_uvs(material: &Material) -> u32 {
+    let on_second = |texture: &Option<TextureRef>| texture.is_some_and(|t| t.tex_coord == TexCoord::Second);
+    textures(material).iter().enumerate().map(|(i, (texture, _))| u32::from(on_second(texture)) << i).sum()
+}
+
+
+
 /// The shader flags of the bits of [`features`].
-pub(crate) const FEATURE_FLAGS: [&str; 10] = [
+pub(crate) const FEATURE_FLAGS: [&str; 11] = [
     "UNLIT",
     "MASKED",
     "BASE_COLOR_TEXTURE",
@@ -63,6 +76,7 @@ pub(crate) const FEATURE_FLAGS: [&str; 10] = [
     "VERTEX_COLOR",
     "MANY_LIGHTS",
     "ONE_LIGHT",
+    "SECOND_UV",
 ];
 
 /// Up to so many lights the shorter array of common/lights does.
@@ -76,12 +90,10 @@ impl MaterialUniform {
         let textures = textures(material);
         let mut uv_rows = [[0.0; 4]; 10];
         for (index, (texture, _)) in textures.iter().enumerate() {
-            let transform = texture.map(|texture| texture.transform).unwrap_or_default();
-            // The extension's matrix: translation · rotation · scale, with v pointing down.
-            let (sin, cos) = transform.rotation_rad.sin_cos();
-            let (scale, offset) = (transform.scale, transform.offset);
-            uv_rows[index * 2] = [cos * scale.x, sin * scale.y, offset.x, 0.0];
-            uv_rows[index * 2 + 1] = [-sin * scale.x, cos * scale.y, offset.y, 0.0];
+            let rows = texture.map(|texture| texture.transform).unwrap_or_default().rows();
+            for (row, values) in rows.iter().enumerate() {
+                uv_rows[index * 2 + row] = values.extend(0.0).to_array();
+            }
         }
         Self {
             base_color: material.base_color.to_array(),
@@ -90,7 +102,11 @@ impl MaterialUniform {
             roughness: material.roughness,
             normal_scale: material.normal_texture.map_or(1.0, |(_, scale)| scale),
             occlusion_strength: material.occlusion_texture.map_or(1.0, |(_, strength)| strength),
-            alpha_cutoff: if let AlphaMode::Mask { cutoff } = material.alpha_mode { cutoff } else { -1.0 },
+            alpha_cutoff: material.cutoff().unwrap_or(-1.0),
+            mask_reading: material.base_color_texture.map_or(0, |texture| texture.reading_bits()),
+            uv_sets: second_uvs(material),
+            pad_0: 0,
+            pad_1: 0,
             uv_rows,
         }
     }
@@ -111,7 +127,7 @@ pub(crate) struct Materials {
     bound: HashMap<usize, Bound>,
     textures: HashMap<(usize, bool), (Arc<Image>, wgpu::Texture)>,
     samplers: HashMap<([Wrap; 2], bool), wgpu::Sampler>,
-    white: wgpu::TextureView,
+    white: wgpu::Texture,
     frame: u64,
 }
 
@@ -145,7 +161,7 @@ impl Materials {
             entries: &entries,
         });
         let white = Image { name: "white".into(), width: 1, height: 1, rgba8: vec![255; 4] };
-        let white = upload(gpu, &white, false).create_view(&wgpu::TextureViewDescriptor::default());
+        let white = upload(gpu, &white, false);
         Self {
             layout,
             bound: HashMap::new(),
@@ -178,10 +194,11 @@ impl Materials {
         let textures = textures(material);
         let mut views = Vec::new();
         for (texture, srgb) in textures {
-            views.push(match texture.and_then(|texture| images.get(&texture.image)) {
+            let texture = match texture.and_then(|texture| images.get(&texture.image)) {
                 None => self.white.clone(),
                 Some(image) => self.texture(gpu, image, srgb)?,
-            });
+            };
+            views.push(texture.create_view(&wgpu::TextureViewDescriptor::default()));
         }
         let samplers = textures.map(|(texture, _)| self.sampler(gpu, texture));
         let uniform = gpu.buffer(
@@ -218,7 +235,7 @@ impl Materials {
         self.textures.values().map(|(_, texture)| texture_bytes(texture)).sum()
     }
 
-    fn texture(&mut self, gpu: &Gpu, image: &Arc<Image>, srgb: bool) -> Result<wgpu::TextureView, GpuError> {
+    fn texture(&mut self, gpu: &Gpu, image: &Arc<Image>, srgb: bool) -> Result<wgpu::Texture, GpuError> {
         let limit = gpu.limits.max_texture_dimension_2d;
         if image.width > limit || image.height > limit {
             return Err(GpuError::ImageTooLarge {
@@ -232,7 +249,19 @@ impl Materials {
         let key = (Arc::as_ptr(image) as usize, srgb);
         let (_, texture) =
             self.textures.entry(key).or_insert_with(|| (Arc::clone(image), upload(gpu, image, srgb)));
-        Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
+        Ok(texture.clone())
+    }
+
+    /// An image as base colours are bound; white where the scene has lost it, as surfaces show it then.
+    pub(crate) fn base_color_image(
+        &mut self,
+        gpu: &Gpu,
+        image: Option<&Arc<Image>>,
+    ) -> Result<wgpu::Texture, GpuError> {
+        match image {
+            Some(image) => self.texture(gpu, image, true),
+            None => Ok(self.white.clone()),
+        }
     }
 
     fn sampler(&mut self, gpu: &Gpu, texture: Option<TextureRef>) -> wgpu::Sampler {

@@ -8,13 +8,14 @@ use glam::{DVec3, Vec3};
 use super::{Gpu, GpuError};
 use crate::geometry::Mesh;
 
-/// Everything of a vertex but its position.
+/// Everything of a vertex but its position; common/attributes.wgsl reads it word by word.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 struct Attributes {
     normal: [f32; 3],
     uv: [f32; 2],
     color: [u8; 4],
+    second_uv: [f32; 2],
 }
 
 /// The vertex buffers of shaded surfaces: positions, then everything else.
@@ -26,7 +27,7 @@ pub(crate) const POSITION_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::Vert
 pub(crate) const ATTRIBUTE_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
     array_stride: size_of::<Attributes>() as u64,
     step_mode: wgpu::VertexStepMode::Vertex,
-    attributes: &wgpu::vertex_attr_array![1 => Float32x3, 2 => Float32x2, 3 => Unorm8x4],
+    attributes: &wgpu::vertex_attr_array![1 => Float32x3, 2 => Float32x2, 3 => Unorm8x4, 4 => Float32x2],
 };
 
 /// One mesh in GPU memory.
@@ -63,7 +64,7 @@ impl Meshes {
         }
         let data = mesh.data();
         let limit = gpu.limits.max_storage_buffer_binding_size.min(gpu.limits.max_buffer_size);
-        let bytes = (data.positions.len() as u64 * 24).max(data.indices.len() as u64 * 4);
+        let bytes = (data.positions.len() as u64 * size_of::<Attributes>() as u64).max(data.indices.len() as u64 * 4);
         if bytes > limit {
             return Err(GpuError::BufferTooLarge {
                 mesh: mesh.name().into(),
@@ -82,16 +83,15 @@ impl Meshes {
             .map(|i| Attributes {
                 normal: data.normals.get(i).copied().unwrap_or(Vec3::Y).to_array(),
                 uv: data.uvs.get(i).copied().unwrap_or_default().to_array(),
-                color: data.colors.get(i).map_or([255; 4], |c| {
-                    c.to_array().map(|channel| (channel.clamp(0.0, 1.0) * 255.0).round() as u8)
-                }),
+                color: mesh.color8(i as u32),
+                second_uv: data.second_uvs.get(i).copied().unwrap_or_default().to_array(),
             })
             .collect();
         use wgpu::BufferUsages as Usage;
         let name = mesh.name();
         let uploaded = GpuMesh {
             positions: gpu.buffer(name, Usage::VERTEX | Usage::STORAGE, bytemuck::cast_slice(&positions)),
-            attributes: gpu.buffer(name, Usage::VERTEX, bytemuck::cast_slice(&attributes)),
+            attributes: gpu.buffer(name, Usage::VERTEX | Usage::STORAGE, bytemuck::cast_slice(&attributes)),
             indices: gpu.buffer(name, Usage::INDEX | Usage::STORAGE, bytemuck::cast_slice(&data.indices)),
             last_used_frame: self.frame,
         };

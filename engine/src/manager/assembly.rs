@@ -193,23 +193,55 @@ impl Assembly<'_> {
         }
     }
 
+    /// The opaque surfaces by a shader that pulls them: runs with and without holes, in the order of drawing.
+    fn pulled_draws(
+        &self,
+        shader: &'static str,
+        flags: &[&str],
+        fragment: &'static str,
+        state: &DrawState,
+        bindings: &[(u32, Binding)],
+    ) -> Vec<Draw> {
+        let is_masked = |&(instance, part): &(u32, u32)| {
+            self.posed.instances[instance as usize].materials[part as usize].cutoff().is_some()
+        };
+        let runs = self.surfaces.opaque.chunk_by(|a, b| is_masked(a) == is_masked(b));
+        let draw = |parts: &[(u32, u32)]| {
+            // A mask without a texture reads a white one: no variant of its own.
+            let masked: &[&str] = &["MASKED", "BASE_COLOR_TEXTURE", "SECOND_UV"];
+            let (name, style, more) = if parts.first().is_some_and(is_masked) {
+                ("masked surfaces", SurfaceStyle::PulledMasked, masked)
+            } else {
+                ("opaque surfaces", SurfaceStyle::Pulled, &[] as &[&str])
+            };
+            Draw {
+                name: name.into(),
+                shader: Some(engine_shader(shader, &[flags, more].concat(), "vertex", Some(fragment))),
+                state: state.clone(),
+                geometry: Surfaces::geometry(self.posed, style, parts),
+                bindings: bindings.to_vec(),
+                scissor_px: None,
+            }
+        };
+        runs.map(draw).collect()
+    }
+
     /// (instance, triangle) of every pixel, with a depth test of its own so that of two coincident surfaces the
     /// first drawn wins, as in the prepass.
     fn visible_triangles(&mut self) -> SlotId {
         let reason = "measuring compares where reference and GPU see the same triangle";
         let slot = self.b.texture("visible triangles", TextureFormat::Rg32Uint, 1, reason);
         let depth = self.b.texture("depth of visible triangles", TextureFormat::Depth32Float, 1, reason);
-        let shader = engine_shader("surface_measure", &[], "vertex", Some("visible_triangle"));
         let mut state = DrawState::new(CompareFunction::Greater, vec![Some(BlendState::REPLACE)]);
         state.depth_write = true;
-        let draw = self.surfaces_draw("opaque surfaces", SurfaceStyle::Pulled, Some(shader), state);
+        let draws = self.pulled_draws("surface_measure", &[], "visible_triangle", &state, &[]);
         let nothing = f64::from(u32::MAX);
         self.b.passes.push(Pass {
             name: "visible triangles".into(),
             reason: reason.into(),
             colors: vec![ColorTarget { slot, layer: 0, load: Load::Clear([nothing, nothing, 0.0, 0.0]) }],
             depth: Some(DepthTarget { slot: depth, depth: Access::Clear(0.0), stencil: None }),
-            draws: vec![draw],
+            draws,
         });
         slot
     }
@@ -225,28 +257,26 @@ impl Assembly<'_> {
         let format = if color { TextureFormat::Rgba32Float } else { TextureFormat::R32Float };
         let slot = self.b.texture(&format!("factor of {name}"), format, 1, "asked for");
         let turned_away = self.turned_away(light);
-        let mut bindings = vec![(2, Binding::Storage(turned_away))];
+        let mut bindings = vec![(3, Binding::Storage(turned_away))];
         let flags: &[&str] = match factor {
             FactorAt::Counts | FactorAt::MaskBit(_) | FactorAt::Darkening => {
-                bindings.push((3, Binding::StencilOf(self.depth)));
+                bindings.push((4, Binding::StencilOf(self.depth)));
                 &["COUNTS"]
             }
             FactorAt::Visibility(layer) => {
-                bindings.push((3, Binding::TextureLayer(self.visibility, layer)));
+                bindings.push((4, Binding::TextureLayer(self.visibility, layer)));
                 &["VISIBILITY"]
             }
             FactorAt::Lit => &[],
         };
-        let shader = engine_shader("surface_factor", flags, "vertex", Some("factor"));
         let state = DrawState::new(CompareFunction::Equal, vec![Some(BlendState::REPLACE)]);
-        let mut draw = self.surfaces_draw("opaque surfaces", SurfaceStyle::Pulled, Some(shader), state);
-        draw.bindings = bindings;
+        let draws = self.pulled_draws("surface_factor", flags, "factor", &state, &bindings);
         let pass = Pass {
             name: format!("factor of {name}"),
             reason: "the factor was asked for as an image".into(),
             colors: vec![ColorTarget { slot, layer: 0, load: Load::Clear([1.0; 4]) }],
             depth: Some(self.depth_read()),
-            draws: vec![draw],
+            draws,
         };
         self.b.passes.push(pass);
         slot

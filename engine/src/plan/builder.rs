@@ -5,6 +5,7 @@ use std::sync::Arc;
 use wgpu::TextureFormat;
 
 use super::{BufferUsage, Contents, Pass, Slot, SlotId, SlotKind};
+use crate::scene::ImageKey;
 
 /// A plan in the making.
 #[derive(Clone, Debug)]
@@ -57,6 +58,15 @@ impl PlanBuilder {
             return SlotId(index);
         }
         self.slot(name, SlotKind::Buffer { usage, revision_key, contents: Contents(contents) }, reason)
+    }
+
+    /// Adds an image of the scene; once, however often it is asked for.
+    pub fn image(&mut self, name: &str, image: ImageKey, reason: &str) -> SlotId {
+        let kind = SlotKind::Image { image };
+        match self.slots.iter().position(|slot| slot.kind == kind) {
+            Some(index) => SlotId(index),
+            None => self.slot(name, kind, reason),
+        }
     }
 
     fn slot(&mut self, name: &str, kind: SlotKind, reason: &str) -> SlotId {

@@ -15,9 +15,11 @@ pub use builder::PlanBuilder;
 pub use validate::PlanError;
 /// Plain enumerations of the graphics API that plans are written in.
 pub use wgpu::{
-    BlendComponent, BlendFactor, BlendOperation, BlendState, ColorWrites, CompareFunction, StencilFaceState,
-    StencilOperation, TextureFormat,
+    BlendComponent, BlendFactor, BlendOperation, BlendState, ColorWrites, CompareFunction, Face,
+    StencilFaceState, StencilOperation, TextureFormat,
 };
+
+use crate::scene::ImageKey;
 
 /// dst · src: how techniques draw into visibility targets.
 pub const MULTIPLY: BlendState = {
@@ -66,6 +68,11 @@ pub enum SlotKind {
         /// The contents.
         contents: Contents,
     },
+    /// An image of the scene, as materials wear it: base colours in sRGB, alpha as it is.
+    Image {
+        /// Which.
+        image: ImageKey,
+    },
 }
 
 /// What a buffer is for.
@@ -97,6 +104,8 @@ impl Slot {
                 u64::from(size_px[0]) * u64::from(size_px[1]) * u64::from(*layers) * texel
             }
             SlotKind::Buffer { contents, .. } => contents.0.len() as u64,
+            // Images are there for the surfaces that wear them, and counted with these.
+            SlotKind::Image { .. } => 0,
         }
     }
 }
@@ -200,6 +209,8 @@ pub struct DrawState {
     pub depth_write: bool,
     /// Whether depths beyond near and far are clamped instead of clipped.
     pub depth_clamp: bool,
+    /// Which faces of what a technique draws are dropped, as the eye sees them; surfaces go by their materials.
+    pub culled: Option<Face>,
     /// What happens in the stencil; `None` leaves it alone.
     pub stencil: Option<Stencil>,
     /// For each colour attachment of the pass: how it is blended, or `None` to leave it alone.
@@ -215,6 +226,7 @@ impl DrawState {
             depth_compare,
             depth_write: false,
             depth_clamp: false,
+            culled: None,
             stencil: None,
             targets,
             blend_constant: [0.0; 4],
@@ -233,6 +245,15 @@ pub enum SurfaceStyle {
     Blended,
     /// Pulled by index, with the shader of the draw: instance and triangle are known.
     Pulled,
+    /// As [`SurfaceStyle::Pulled`], with the materials bound: surfaces with the holes of an alpha mask.
+    PulledMasked,
+}
+
+impl SurfaceStyle {
+    /// Whether vertices are pulled by index.
+    pub fn is_pulled(self) -> bool {
+        matches!(self, Self::Pulled | Self::PulledMasked)
+    }
 }
 
 /// What a draw draws.

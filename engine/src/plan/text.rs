@@ -51,6 +51,7 @@ impl fmt::Display for Slot {
             }
             SlotKind::Buffer { usage: BufferUsage::Storage, .. } => write!(f, "storage buffer")?,
             SlotKind::Buffer { usage: BufferUsage::Index, .. } => write!(f, "index buffer")?,
+            SlotKind::Image { .. } => write!(f, "image of the scene")?,
         }
         write!(f, ", {} bytes: {}", self.bytes(), self.reason)
     }

@@ -186,7 +186,9 @@ impl FramePlan {
         let id = binding.slot();
         let slot = self.slot_of(pass, id)?;
         match (&slot.kind, binding) {
-            (SlotKind::Buffer { .. }, Binding::Storage(_)) => return Ok(()),
+            (SlotKind::Buffer { .. }, Binding::Storage(_)) | (SlotKind::Image { .. }, Binding::Texture(_)) => {
+                return Ok(());
+            }
             (SlotKind::Texture { .. }, Binding::Texture(_) | Binding::TextureArray(_)) => {}
             (SlotKind::Texture { layers, .. }, Binding::TextureLayer(_, layer)) if layer < layers => {}
             (SlotKind::Texture { format, .. }, Binding::StencilOf(_)) if format.has_stencil_aspect() => {}
@@ -309,7 +311,7 @@ fn writes_stencil(pass: &Pass) -> bool {
 fn format_of(slot: &Slot) -> Option<wgpu::TextureFormat> {
     match slot.kind {
         SlotKind::Texture { format, .. } => Some(format),
-        SlotKind::Buffer { .. } => None,
+        SlotKind::Buffer { .. } | SlotKind::Image { .. } => None,
     }
 }
 

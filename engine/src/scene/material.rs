@@ -42,10 +42,33 @@ pub struct UvTransform {
     pub scale: Vec2,
 }
 
+impl UvTransform {
+    /// The rows (x, y, z) of the map: u' = x₀·u + y₀·v + z₀, v' = x₁·u + y₁·v + z₁.
+    pub fn rows(&self) -> [Vec3; 2] {
+        // The extension's matrix: translation · rotation · scale, with v pointing down.
+        let (sin, cos) = self.rotation_rad.sin_cos();
+        let (scale, offset) = (self.scale, self.offset);
+        [
+            Vec3::new(cos * scale.x, sin * scale.y, offset.x),
+            Vec3::new(-sin * scale.x, cos * scale.y, offset.y),
+        ]
+    }
+}
+
 impl Default for UvTransform {
     fn default() -> Self {
         Self { offset: Vec2::ZERO, rotation_rad: 0.0, scale: Vec2::ONE }
     }
+}
+
+/// Which of a mesh's texture coordinates a texture lies on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum TexCoord {
+    /// [`crate::geometry::MeshData::uvs`].
+    #[default]
+    First,
+    /// [`crate::geometry::MeshData::second_uvs`].
+    Second,
 }
 
 /// A texture of a material: an image and how it is read.
@@ -57,14 +80,28 @@ pub struct TextureRef {
     pub wrap: [Wrap; 2],
     /// Whether texels blend (true) or stay blocks (false) under magnification.
     pub smooth: bool,
-    /// How texture coordinates are transformed.
+    /// Which texture coordinates it lies on.
+    pub tex_coord: TexCoord,
+    /// How these are transformed.
     pub transform: UvTransform,
 }
 
 impl TextureRef {
     /// The image, repeated and smooth.
     pub fn new(image: ImageKey) -> Self {
-        Self { image, wrap: [Wrap::Repeat; 2], smooth: true, transform: UvTransform::default() }
+        let (tex_coord, transform) = (TexCoord::First, UvTransform::default());
+        Self { image, wrap: [Wrap::Repeat; 2], smooth: true, tex_coord, transform }
+    }
+
+    /// How its texels are read, as shaders have it (common/alpha_mask.wgsl): two bits of wrapping for u, two for v,
+    /// one for blending.
+    pub fn reading_bits(&self) -> u32 {
+        let mode = |wrap| match wrap {
+            Wrap::Repeat => 0,
+            Wrap::Mirror => 1,
+            Wrap::Clamp => 2,
+        };
+        mode(self.wrap[0]) | mode(self.wrap[1]) << 2 | u32::from(self.smooth) << 4
     }
 }
 
@@ -146,6 +183,24 @@ impl Material {
     /// A matt material of one linear colour.
     pub fn matt(name: &str, color: Vec3) -> Self {
         Self { name: name.into(), base_color: color.extend(1.0), ..Self::default() }
+    }
+
+    /// The alpha below which it has holes; `None` without a mask.
+    pub fn cutoff(&self) -> Option<f32> {
+        match self.alpha_mode {
+            AlphaMode::Mask { cutoff } => Some(cutoff),
+            _ => None,
+        }
+    }
+
+    /// Whether whole triangles of it block light.
+    pub fn casts_whole(&self) -> bool {
+        self.is_opaque() && !self.unlit && self.cutoff().is_none()
+    }
+
+    /// Whether triangles of it block light where their alpha mask has no hole.
+    pub fn casts_by_texel(&self) -> bool {
+        self.is_opaque() && !self.unlit && self.cutoff().is_some()
     }
 
     /// Whether surfaces of it hide what is behind and enter the depth buffer.

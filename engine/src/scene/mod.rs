@@ -25,6 +25,6 @@ pub use graph::{
     AnimationKey, CameraKey, ImageKey, LightKey, MaterialKey, MeshKey, Node, NodeKey, Scene, SceneError,
     ShadowKey, SkinKey,
 };
-pub use material::{AlphaMode, Image, Material, TextureRef, UvTransform, Wrap};
+pub use material::{AlphaMode, Image, Material, TexCoord, TextureRef, UvTransform, Wrap};
 pub use posed::{Instance, Posed, PosedCamera, PosedLight, PosedShadowNode};
 pub use skin::Skin;

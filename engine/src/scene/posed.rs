@@ -9,7 +9,7 @@ use glam::{DAffine3, DVec3, DVec4, Vec3};
 
 use super::deform::is_placed;
 use super::{
-    AlphaMode, Camera, CameraKey, Content, Image, ImageKey, Light, LightKey, LightKind, Material, NodeKey,
+    Camera, CameraKey, Content, Image, ImageKey, Light, LightKey, LightKind, Material, NodeKey,
     Scene, SceneError, Scope, ShadowFlags, ShadowKey, ShadowNode,
 };
 use crate::geometry::Mesh;
@@ -65,7 +65,7 @@ impl Instance {
 
     /// Whether any part of it is alpha-masked.
     pub fn is_masked(&self) -> bool {
-        self.materials.iter().any(|material| matches!(material.alpha_mode, AlphaMode::Mask { .. }))
+        self.materials.iter().any(|material| material.cutoff().is_some())
     }
 }
 

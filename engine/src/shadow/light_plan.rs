@@ -7,7 +7,7 @@ use wgpu::TextureFormat;
 use super::{Cache, Claim, ShadowError, culling};
 use crate::math::{Aabb, ViewFrustum};
 use crate::plan::{Access, BufferUsage, ColorTarget, DepthTarget, Load, Pass, PlanBuilder, SlotId, SlotKind};
-use crate::scene::{Instance, Posed, PosedCamera, PosedLight};
+use crate::scene::{ImageKey, Instance, Posed, PosedCamera, PosedLight};
 
 /// From where, and how large, the frame is seen.
 #[derive(Clone, Debug)]
@@ -139,6 +139,13 @@ impl<'a> LightPlan<'a> {
         (DepthTarget { slot: self.depth, depth: Access::ReadOnly, stencil: Some(Access::Keep) }, before)
     }
 
+    /// The attachment for a pass that tests against the receivers' depth, or samples it, and leaves depth and stencil
+    /// as they are.
+    pub fn test_receiver_depth(&self) -> DepthTarget {
+        // Whether there is a stencil is known when all lights are planned: the assembly adds it.
+        DepthTarget { slot: self.depth, depth: Access::ReadOnly, stencil: None }
+    }
+
     /// The bound on what others have counted in the stencil for this light so far; after
     /// [`LightPlan::darken_once`], for all lights that it was called for.
     pub fn counts_before(&self) -> u32 {
@@ -210,6 +217,12 @@ impl<'a> LightPlan<'a> {
         reason: &str,
     ) -> SlotId {
         self.builder.texture_sized(name, format, size_px, layers, reason)
+    }
+
+    /// Adds an image of the scene for [`crate::plan::Binding::Texture`]; see [`PlanBuilder::image`].
+    pub fn image(&mut self, image: ImageKey, reason: &str) -> SlotId {
+        let name = self.posed.images.get(&image).map_or("image", |image| &image.name);
+        self.builder.image(name, image, reason)
     }
 
     /// Adds a pass.

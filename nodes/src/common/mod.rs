@@ -3,4 +3,5 @@
 pub mod culling;
 pub mod extrusion;
 pub mod layer_groups;
+pub mod masked;
 pub mod volume;

@@ -97,6 +97,21 @@ impl CastShape<'_> {
         }
     }
 
+    /// The signs without those of triangles that have holes or let light through.
+    fn whole_only(&self, instance: &Instance, mut signs: Vec<i8>) -> Vec<i8> {
+        let own = instance.mesh.triangle_count();
+        for (part, material) in instance.mesh.data().parts.iter().zip(&instance.materials) {
+            let (start, end) = (part.triangles.start as usize, part.triangles.end as usize);
+            if !material.casts_whole() {
+                signs[start..end].fill(0);
+                if matches!(self, Self::Doubled(_)) {
+                    signs[own + start..own + end].fill(0);
+                }
+            }
+        }
+        signs
+    }
+
     /// The facing signs of the triangles in `half`, 0 for the others.
     fn signs_of(&self, instance: &Instance, signs: Vec<i8>, half: Half) -> Vec<i8> {
         if half == Half::Both {
@@ -140,13 +155,14 @@ pub struct CasterFacing {
 }
 
 impl CasterFacing {
-    /// The facing signs of `instance`, with the triangles of `shape`, towards `light`; of those in `half`.
+    /// The facing signs of `instance`, with the triangles of `shape`, towards `light`; of those in `half`. Triangles
+    /// that do not block light as a whole (masked, blended, unlit ones) are not cast.
     pub fn new(instance: &Instance, shape: &CastShape<'_>, light: DVec4, half: Half) -> Self {
         let p_in_world: Vec<DVec3> = (0..instance.mesh.positions().len() as u32)
             .map(|vertex| instance.world_position(vertex))
             .collect();
         let signs = facing_signs(&p_in_world, shape.topology().triangles(), light);
-        let signs = shape.signs_of(instance, signs, half);
+        let signs = shape.whole_only(instance, shape.signs_of(instance, signs, half));
         let cast = (0..signs.len() as u32).filter(|triangle| signs[*triangle as usize] != 0).collect();
         Self { p_in_world, signs, cast, half }
     }

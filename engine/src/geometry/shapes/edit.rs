@@ -77,6 +77,7 @@ impl MeshData {
         Self {
             normals: positions.chunks_exact(3).flat_map(plane_normal).collect(),
             uvs: unshared(&self.uvs, &self.indices),
+            second_uvs: unshared(&self.second_uvs, &self.indices),
             colors: unshared(&self.colors, &self.indices),
             influences: unshared(&self.influences, &self.indices),
             morphs: self
@@ -101,17 +102,20 @@ impl MeshData {
         let mut all = Self { name: name.into(), ..Self::default() };
         let (mut has_uvs, mut has_colors, mut has_normals, mut has_parts) = (true, true, true, false);
         let mut has_influences = true;
+        let mut has_second_uvs = true;
         for shape in shapes {
             let (first, first_triangle) = (all.positions.len() as u32, all.indices.len() as u32 / 3);
             let triangles = shape.indices.len() as u32 / 3;
             has_normals &= shape.normals.len() == shape.positions.len();
             has_uvs &= shape.uvs.len() == shape.positions.len();
+            has_second_uvs &= shape.second_uvs.len() == shape.positions.len();
             has_colors &= shape.colors.len() == shape.positions.len();
             has_influences &= shape.influences.len() == shape.positions.len();
             has_parts |= !shape.parts.is_empty();
             all.positions.extend(shape.positions);
             all.normals.extend(shape.normals);
             all.uvs.extend(shape.uvs);
+            all.second_uvs.extend(shape.second_uvs);
             all.colors.extend(shape.colors);
             all.influences.extend(shape.influences);
             all.indices.extend(shape.indices.iter().map(|index| first + index));
@@ -125,6 +129,7 @@ impl MeshData {
         let keep = |has: bool| if has { usize::MAX } else { 0 };
         all.normals.truncate(keep(has_normals));
         all.uvs.truncate(keep(has_uvs));
+        all.second_uvs.truncate(keep(has_second_uvs));
         all.colors.truncate(keep(has_colors));
         all.influences.truncate(keep(has_influences));
         all.parts.truncate(keep(has_parts));

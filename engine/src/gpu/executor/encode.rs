@@ -12,9 +12,9 @@ use super::super::pipelines::{Culling, VertexInput, Wanted};
 use super::attachments::{binding_view, color_attachment, color_view, depth_attachment};
 use super::{Executor, GpuSlot};
 use crate::plan::{
-    Binding, BlendState, Draw, FramePlan, Geometry, Pass, Shader, SlotId, SlotKind, SurfaceStyle,
+    Binding, BlendState, Draw, Face, FramePlan, Geometry, Pass, Shader, SlotId, SlotKind, SurfaceStyle,
 };
-use crate::scene::{AlphaMode, Instance, Material, Posed};
+use crate::scene::{Instance, Material, Posed};
 
 /// The flags of surface_shade for what a draw reads, by binding number.
 const READ_FLAGS: [&str; 5] = ["COUNTS", "MASK", "VISIBILITY", "ONE_CHANNEL", "SMOOTH_TERMINATOR"];
@@ -35,7 +35,7 @@ struct PassShape<'a> {
 }
 
 /// Bind groups made for this group of passes, by what they hold.
-type DrawGroups = HashMap<(Vec<(u32, Binding)>, Option<u64>), wgpu::BindGroup>;
+type DrawGroups = HashMap<(Vec<(u32, Binding)>, Option<(u64, u32)>), wgpu::BindGroup>;
 
 impl Scene<'_> {
     fn texture(&self, slot: SlotId) -> Option<&wgpu::Texture> {
@@ -48,7 +48,7 @@ impl Scene<'_> {
     pub(super) fn format(&self, slot: SlotId) -> TextureFormat {
         match self.plan.slot(slot).kind {
             SlotKind::Texture { format, .. } => format,
-            SlotKind::Buffer { .. } => TextureFormat::R8Unorm,
+            SlotKind::Buffer { .. } | SlotKind::Image { .. } => TextureFormat::R8Unorm,
         }
     }
 
@@ -144,7 +144,7 @@ impl Executor {
                     Surface::Technique { indexed: true },
                     render,
                 );
-                let group = self.draw_group(scene, draw, Some(mesh), false, groups);
+                let group = self.draw_group(scene, draw, Some(mesh), None, groups);
                 render.set_bind_group(1, &group, &[]);
                 if let GpuSlot::Buffer(buffer) = &scene.slots[indices.0] {
                     render.set_index_buffer(buffer.slice(..), wgpu::IndexFormat::Uint32);
@@ -162,7 +162,7 @@ impl Executor {
                     Surface::Technique { indexed: false },
                     render,
                 );
-                let group = self.draw_group(scene, draw, None, false, groups);
+                let group = self.draw_group(scene, draw, None, None, groups);
                 render.set_bind_group(1, &group, &[]);
                 render.draw(0..*vertices, 0..*instances);
             }
@@ -197,19 +197,20 @@ impl Executor {
         else {
             return;
         };
-        let surface = Surface::Mesh { style, masked: is_masked(material), culling };
+        let surface = Surface::Mesh { style, masked: material.cutoff().is_some(), culling };
         self.set_pipeline(scene, shape, pass, draw, &shader, surface, render);
-        let group = self.draw_group(scene, draw, Some(instance), style == SurfaceStyle::Pulled, groups);
+        let pulled = style.is_pulled().then_some(surface);
+        let group = self.draw_group(scene, draw, Some(instance), pulled, groups);
         render.set_bind_group(1, &group, &[]);
         let Some(mesh) = self.meshes.get(&instance.mesh) else { return };
-        if style == SurfaceStyle::Pulled {
-            render.draw(run, index..index + 1);
-            return;
-        }
         if surface.has_material()
             && let Some(group) = self.materials.get(material)
         {
             render.set_bind_group(2, group, &[]);
+        }
+        if style.is_pulled() {
+            render.draw(run, index..index + 1);
+            return;
         }
         render.set_vertex_buffer(0, mesh.positions.slice(..));
         render.set_vertex_buffer(1, mesh.attributes.slice(..));
@@ -246,7 +247,7 @@ impl Executor {
             kinds: &kinds,
             with_material: surface.has_material(),
             input: surface.input(),
-            culling: if let Surface::Mesh { culling, .. } = surface { culling } else { Culling::None },
+            culling: surface.culling(draw),
             targets,
             depth_format: shape.depth_format,
         };
@@ -265,11 +266,11 @@ impl Executor {
     ) -> Option<Shader> {
         let features = features(material, &instance.mesh, scene.posed.lights.len());
         let (name, fragment): (&str, Option<&'static str>) = match style {
-            SurfaceStyle::Depth if is_masked(material) => ("surface_shade", Some("masked_depth")),
+            SurfaceStyle::Depth if material.cutoff().is_some() => ("surface_shade", Some("masked_depth")),
             SurfaceStyle::Depth => ("surface_depth", None),
             SurfaceStyle::Opaque => ("surface_shade", Some("opaque")),
             SurfaceStyle::Blended => ("surface_shade", Some("blended")),
-            SurfaceStyle::Pulled => return None,
+            SurfaceStyle::Pulled | SurfaceStyle::PulledMasked => return None,
         };
         let mut read: u32 = draw.bindings.iter().map(|(number, _)| 1 << number).sum();
         // A texture of one channel reads as (r, 0, 0, 1): its one factor is that of all colours.
@@ -297,28 +298,27 @@ impl Executor {
         scene: &Scene<'_>,
         draw: &Draw,
         instance: Option<&Instance>,
-        pulled: bool,
+        pulled: Option<Surface>,
         groups: &mut DrawGroups,
     ) -> wgpu::BindGroup {
-        let brings_positions = pulled || matches!(draw.geometry, Geometry::Indexed { .. });
+        let brings_positions = pulled.is_some() || matches!(draw.geometry, Geometry::Indexed { .. });
         let instance = instance.filter(|_| brings_positions);
-        let key = (draw.bindings.clone(), instance.map(|instance| instance.mesh.id()));
+        let surface = pulled.unwrap_or(Surface::Technique { indexed: instance.is_some() });
+        let mesh_id = instance.map(|instance| (instance.mesh.id(), surface.own_bindings()));
+        let key = (draw.bindings.clone(), mesh_id);
         if let Some(group) = groups.get(&key) {
             return group.clone();
         }
-        let surface = if pulled {
-            Surface::Mesh { style: SurfaceStyle::Pulled, masked: false, culling: Culling::None }
-        } else {
-            Surface::Technique { indexed: instance.is_some() }
-        };
         let layout = self.layouts.get(&self.gpu, &draw_kinds(scene, draw, surface));
         let mesh: Option<&GpuMesh> = instance.and_then(|instance| self.meshes.get(&instance.mesh));
         let mut entries = Vec::new();
         if let Some(mesh) = mesh {
             entries.push(wgpu::BindGroupEntry { binding: 0, resource: mesh.positions.as_entire_binding() });
-            if pulled {
-                entries.push(wgpu::BindGroupEntry { binding: 1, resource: mesh.indices.as_entire_binding() });
-            }
+            let more = [&mesh.indices, &mesh.attributes].into_iter().zip(1..surface.own_bindings());
+            entries.extend(more.map(|(buffer, binding)| wgpu::BindGroupEntry {
+                binding,
+                resource: buffer.as_entire_binding(),
+            }));
         }
         let views: Vec<_> = draw.bindings.iter().map(|(_, binding)| binding_view(scene, binding)).collect();
         for ((number, binding), view) in draw.bindings.iter().zip(&views) {
@@ -350,32 +350,45 @@ impl Surface {
     fn has_material(self) -> bool {
         match self {
             Self::Mesh { style: SurfaceStyle::Opaque | SurfaceStyle::Blended, .. } => true,
+            Self::Mesh { style: SurfaceStyle::PulledMasked, .. } => true,
             Self::Mesh { style: SurfaceStyle::Depth, masked, .. } => masked,
             Self::Mesh { style: SurfaceStyle::Pulled, .. } | Self::Technique { .. } => false,
         }
     }
 
+    /// How many bindings of group 1 its geometry brings: positions, indices, attributes.
+    fn own_bindings(self) -> u32 {
+        match self {
+            Self::Mesh { style: SurfaceStyle::PulledMasked, .. } => 3,
+            Self::Mesh { style: SurfaceStyle::Pulled, .. } => 2,
+            Self::Technique { indexed: true } => 1,
+            _ => 0,
+        }
+    }
+
+    /// Which faces are dropped when `draw` shows it.
+    fn culling(self, draw: &Draw) -> Culling {
+        match (self, draw.state.culled) {
+            (Self::Mesh { culling, .. }, _) => culling,
+            (Self::Technique { .. }, None) => Culling::None,
+            (Self::Technique { .. }, Some(Face::Back)) => Culling::Back,
+            (Self::Technique { .. }, Some(Face::Front)) => Culling::Front,
+        }
+    }
+
     fn input(self) -> VertexInput {
         match self {
-            Self::Technique { .. } | Self::Mesh { style: SurfaceStyle::Pulled, .. } => VertexInput::None,
+            Self::Technique { .. } => VertexInput::None,
+            Self::Mesh { style, .. } if style.is_pulled() => VertexInput::None,
             Self::Mesh { style: SurfaceStyle::Depth, masked: false, .. } => VertexInput::Positions,
             Self::Mesh { .. } => VertexInput::All,
         }
     }
 }
 
-fn is_masked(material: &Material) -> bool {
-    matches!(material.alpha_mode, AlphaMode::Mask { .. })
-}
-
 /// The layout of group 1.
 fn draw_kinds(scene: &Scene<'_>, draw: &Draw, surface: Surface) -> Vec<(u32, BindKind)> {
-    let own = match surface {
-        Surface::Mesh { style: SurfaceStyle::Pulled, .. } => 2,
-        Surface::Technique { indexed: true } => 1,
-        _ => 0,
-    };
-    let mut kinds: Vec<_> = (0..own).map(|binding| (binding, BindKind::Storage)).collect();
+    let mut kinds: Vec<_> = (0..surface.own_bindings()).map(|binding| (binding, BindKind::Storage)).collect();
     for (number, binding) in &draw.bindings {
         let sample = SampleKind::of(scene.format(binding.slot()));
         let kind = match binding {

@@ -1,0 +1,40 @@
+// How much of a masked texture is there at a place: the one look-up that visible surfaces, their shading and their
+// shadows share. Texels are read one by one and blended in f32: samplers blend with weights of 8 bits, and how they
+// round is theirs.
+
+// `reading` in bits: 0 and 1 say what is beyond the edges in u, 2 and 3 in v (0 repeats, 1 repeats mirrored, 2 the
+// edge goes on), 4 whether texels blend.
+
+fn wrapped(index: i32, size: i32, mode: u32) -> i32 {
+    if mode == 2u {
+        return clamp(index, 0, size - 1);
+    }
+    let period = select(size, 2 * size, mode == 1u);
+    let within = ((index % period) + period) % period;
+    return min(within, 2 * size - 1 - within);
+}
+
+// In 0 … 255, without the rounding of a quotient.
+fn texel_alpha(image: texture_2d<f32>, texel: vec2i, size: vec2i, reading: u32) -> f32 {
+    let place = vec2i(wrapped(texel.x, size.x, reading & 3u), wrapped(texel.y, size.y, (reading >> 2u) & 3u));
+    return floor(textureLoad(image, place, 0).a * 255.0 + 0.5);
+}
+
+// The alpha of `image` at `uv`, of its full size whatever the distance.
+fn mask_alpha(image: texture_2d<f32>, uv: vec2f, reading: u32) -> f32 {
+    let size = vec2i(textureDimensions(image));
+    let place = uv * vec2f(size);
+    if (reading & 16u) == 0u {
+        return texel_alpha(image, vec2i(floor(place)), size, reading) / 255.0;
+    }
+    let corner = floor(place - 0.5);
+    let weight = place - 0.5 - corner;
+    let texel = vec2i(corner);
+    let a = texel_alpha(image, texel, size, reading);
+    let b = texel_alpha(image, texel + vec2i(1, 0), size, reading);
+    let c = texel_alpha(image, texel + vec2i(0, 1), size, reading);
+    let d = texel_alpha(image, texel + vec2i(1, 1), size, reading);
+    let top = a + (b - a) * weight.x;
+    let bottom = c + (d - c) * weight.x;
+    return (top + (bottom - top) * weight.y) / 255.0;
+}
