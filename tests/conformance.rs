@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 
 use common::conformance::{Trial, try_all};
 use common::tolerances::ROWS;
-use shadowgraph::cases::{self, Case};
+use shadowgraph::cases::{self, Case, sweeps};
 use shadowgraph::measure::{ReferenceShadow, pictures};
 use shadowgraph::prelude::*;
 
@@ -83,7 +83,10 @@ fn every_row_belongs_to_a_technique() {
     );
     let unique: std::collections::HashSet<_> = listed.iter().collect();
     assert_eq!(unique.len(), listed.len(), "a row is there twice");
-    let names: Vec<_> = cases::all().iter().flat_map(|entry| entry.build()).map(|case| case.name()).collect();
+    let names =
+        cases::all().iter().flat_map(|entry| entry.build()).map(|case| case.name()).collect::<Vec<_>>();
+    let steps = sweeps::all().iter().flat_map(|sweep| sweep.steps()).map(|(_, case)| case.name());
+    let names: Vec<_> = names.into_iter().chain(steps).collect();
     for (case, _) in ROWS.iter().flat_map(|row| row.except) {
         let found = names.iter().any(|name| name == case || name.starts_with(&format!("{case}/")));
         assert!(found, "no case is called '{case}'");

@@ -113,8 +113,11 @@ fn complaint_about(case: &Case, error: &LightError, answer: Answer, owed: Tolera
     }
     let passes = match owed {
         Tolerance::Within(bound) => {
-            let share = error.wrong_outside_band as f64 / error.compared as f64;
-            error.compared > 0 && share <= bound.wrong_share && error.rmse <= bound.rmse
+            let share = |pixels: usize| pixels as f64 / error.compared as f64;
+            error.compared > 0
+                && share(error.leak_outside_band) <= bound.leak_share
+                && share(error.false_outside_band) <= bound.false_share
+                && error.rmse <= bound.rmse
         }
         _ => error.passes(),
     };

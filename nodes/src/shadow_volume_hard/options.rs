@@ -128,7 +128,7 @@ const COUNTERS: &[(&str, CounterKind)] =
 const TERMINATORS: &[(&str, Terminator)] =
     &[("geometric", Terminator::Geometric), ("smooth", Terminator::Smooth)];
 
-/// What reports and tests try beside the default: all of it exact.
+/// What reports and tests try beside the default: all of it exact but `cap`.
 const SETTINGS: &[Setting] = &[
     Setting {
         name: "z-pass",
@@ -164,6 +164,11 @@ const SETTINGS: &[Setting] = &[
         params: || {
             ShadowVolumeHard { closure: Closure::Backfaces, ..ShadowVolumeHard::default() }.to_params()
         },
+    },
+    Setting {
+        name: "cap",
+        why: "open casters closed by lids over their loops, which cast too: what a closed mode alone would need",
+        params: || ShadowVolumeHard { closure: Closure::Cap, ..ShadowVolumeHard::default() }.to_params(),
     },
     Setting {
         name: "float",
