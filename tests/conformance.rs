@@ -83,10 +83,9 @@ fn every_row_belongs_to_a_technique() {
     );
     let unique: std::collections::HashSet<_> = listed.iter().collect();
     assert_eq!(unique.len(), listed.len(), "a row is there twice");
-    let names =
-        cases::all().iter().flat_map(|entry| entry.build()).map(|case| case.name()).collect::<Vec<_>>();
-    let steps = sweeps::all().iter().flat_map(|sweep| sweep.steps()).map(|(_, case)| case.name());
-    let names: Vec<_> = names.into_iter().chain(steps).collect();
+    let names = cases::all().into_iter().flat_map(|entry| entry.build()).map(|case| case.name());
+    let steps = sweeps::all().into_iter().flat_map(|sweep| sweep.steps()).map(|(_, case)| case.name());
+    let names: Vec<_> = names.chain(steps).collect();
     for (case, _) in ROWS.iter().flat_map(|row| row.except) {
         let found = names.iter().any(|name| name == case || name.starts_with(&format!("{case}/")));
         assert!(found, "no case is called '{case}'");

@@ -62,7 +62,8 @@ fn every_sweep_is_right_at_every_step() {
             println!("{:<58} {}{verdict}", trial.name(), row(&trial));
             match (&trial.complaint, issue) {
                 (Some(_), Some(known)) => {
-                    seen[KNOWN.iter().position(|k| std::ptr::eq(k, known)).unwrap()] += 1
+                    let place = KNOWN.iter().position(|other| std::ptr::eq(other, known)).unwrap();
+                    seen[place] += 1;
                 }
                 (Some(complaint), None) => failures.push(format!("{}: {complaint}", trial.name())),
                 _ => {}

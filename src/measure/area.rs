@@ -65,7 +65,7 @@ impl LightSize {
 /// The grid has `count` cells, as square as the divisors of `count` allow: square numbers are best.
 pub fn disc_samples(count: u32, seed: u64) -> Vec<DVec2> {
     let count = count.max(1);
-    let rows = (1..=count.isqrt()).rev().find(|rows| count % rows == 0).unwrap_or(1);
+    let rows = (1..=count.isqrt()).rev().find(|rows| count.is_multiple_of(*rows)).unwrap_or(1);
     let columns = count / rows;
     let mut state = seed;
     let mut random = move || {

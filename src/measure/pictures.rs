@@ -84,9 +84,15 @@ pub fn error_map_png(
         measured.lights.iter().find(|(name, _)| name == light).ok_or_else(|| missing("measured picture"))?;
     let exact = reference.lights.iter().find(|l| l.name == light).ok_or_else(|| missing("reference"))?;
     let size_px = reference.size_px;
-    for count in [factor.len(), measured.ids.len(), exact.factor.len(), reference.hits.len()] {
-        let may_be_rgb = [factor.len(), exact.factor.len()].contains(&count);
-        if !holds(size_px, count) && !(may_be_rgb && count % 3 == 0 && holds(size_px, count / 3)) {
+    let one_each = |count: usize| holds(size_px, count);
+    let one_or_rgb = |count: usize| one_each(count) || (count % 3 == 0 && one_each(count / 3));
+    for (count, fits) in [
+        (factor.len(), one_or_rgb(factor.len())),
+        (exact.factor.len(), one_or_rgb(exact.factor.len())),
+        (measured.ids.len(), one_each(measured.ids.len())),
+        (reference.hits.len(), one_each(reference.hits.len())),
+    ] {
+        if !fits {
             return Err(PictureError::Size { path: path.into(), count, size_px });
         }
     }
