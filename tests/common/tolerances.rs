@@ -68,6 +68,11 @@ pub(crate) const ROWS: &[Row] = &[
     exact(HARD, "z-fail"),
     exact(HARD, "open"),
     exact(HARD, "infinite"),
+    exact(HARD, "backfaces"),
+    exact(HARD, "float"),
+    // One darkening for all lights leaves out what is no count: masked casters.
+    forced(HARD, "single", 230),
+    exact(HARD, "smooth"),
     exact("Reference", "default"),
 ];
 
