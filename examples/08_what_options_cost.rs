@@ -1,7 +1,7 @@
 //! What the options of `ShadowVolumeHard` cost and save: a row for each, timed in turn on the same scenes.
 //!
-//! `cargo run --example 08_what_options_cost` prints frame times (median of rounds in which every row gets one frame),
-//! what is drawn, and how many pixels are wrong. Absolute times are this machine's; ratios are what to read.
+//! `cargo run --example 08_what_options_cost [WORD]` (only tables with that word in their title) prints frame times (of rounds in which every row gets one frame), what is
+//! drawn, and how many pixels are wrong outside the ambiguity band. Absolute times are this machine's; ratios are what to read.
 #![allow(clippy::print_stdout, reason = "printing rows is what it is for")]
 
 mod common;
@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let counters: [Row; 3] =
         [("no shadows", None), ("counter=stencil8", Some(auto)), ("counter=float", Some(float))];
-    for layers in [30, 300, 2049, 4096] {
+    for layers in [30_u32, 300, 2049, 4096] {
         table(&format!("{layers} boxes, one above the other"), &stack(layers)?, &counters)?;
     }
     let passes: [Row; 3] =
@@ -110,6 +110,9 @@ fn with_row(scene: &Scene, node: Option<ShadowVolumeHard>) -> Result<Scene, Box<
 }
 
 fn table(name: &str, scene: &Scene, rows: &[Row]) -> Result<(), Box<dyn Error>> {
+    if std::env::args().nth(1).is_some_and(|word| !name.contains(&word)) {
+        return Ok(());
+    }
     let posed = scene.pose()?;
     let camera = posed.cameras.first().ok_or("a scene has no camera")?.clone();
     let request = FrameRequest::new(camera, SIZE_PX);
@@ -124,10 +127,12 @@ fn table(name: &str, scene: &Scene, rows: &[Row]) -> Result<(), Box<dyn Error>> 
     let times_ms = take_turns(&mut runners, &PACE)?;
     println!("{name} ({}, {} rounds)", runners[0].renderer.gpu().name(), times_ms[0].len());
     println!(
-        "  {:<30} {:>9} {:>10} {:>9} {:>9} {:>9} {:>10} {:>7} {:>7}",
-        "", "frame ms", "shadow ms", "of deflt", "vertices", "Mpx", "bytes", "plan ms", "wrong"
+        "  {:<30} {:>9} {:>9} {:>10} {:>9} {:>9} {:>9} {:>10} {:>7} {:>7}",
+        "", "median ms", "least ms", "shadow ms", "of deflt", "vertices", "Mpx", "bytes", "plan ms", "wrong"
     );
-    let median = |index: usize| Spread::of(times_ms[index].clone()).median;
+    let spread = |index: usize| Spread::of(times_ms[index].clone());
+    // Other work on the machine only ever adds time: what shadows cost is taken from the least of each row.
+    let least = |index: usize| spread(index).min;
     let mut reference = None;
     for (index, ((row, node), runner)) in rows.iter().zip(&mut runners).enumerate() {
         let plan = runner.renderer.plan(&runner.scene, &request)?;
@@ -145,11 +150,12 @@ fn table(name: &str, scene: &Scene, rows: &[Row]) -> Result<(), Box<dyn Error>> 
         };
         let vertices: u64 =
             plan.passes_named("volumes of").flat_map(|pass| &pass.draws).map(|draw| draw.vertices()).sum();
-        let shadow_ms = median(index) - median(0);
-        let share = if index > 0 { shadow_ms / (median(1) - median(0)) } else { 0.0 };
+        let shadow_ms = least(index) - least(0);
+        let share = if index > 0 { shadow_ms / (least(1) - least(0)) } else { 0.0 };
         println!(
-            "  {row:<30} {:>9.2} {shadow_ms:>10.2} {share:>9.2} {vertices:>9} {:>9.2} {:>10} {:>7.2} {wrong:>7}",
-            median(index),
+            "  {row:<30} {:>9.2} {:>9.2} {shadow_ms:>10.2} {share:>9.2} {vertices:>9} {:>9.2} {:>10} {:>7.2} {wrong:>7}",
+            spread(index).median,
+            least(index),
             drawn_px(&posed, &plan, &request) * 1e-6,
             plan.bytes(),
             plan_ms(&posed, &registry, &request)?

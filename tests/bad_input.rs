@@ -103,6 +103,18 @@ fn usage_that_cannot_be() {
         ("render yard.glb -o out.png --technique softest", &["'softest'", "hard"]),
         ("render yard.glb -o out.png --technique hard:depthTest=never", &["'never'", "zfail"]),
         ("render yard.glb -o out.png --technique hard:depth=zfail", &["'depth'", "depthTest"]),
+        ("render yard.glb -o out.png --technique hard:closure=lid", &["'lid'", "none, cap, backfaces"]),
+        ("render yard.glb -o out.png --technique hard:counter=stencil", &["'stencil'", "stencil8, float"]),
+        ("render yard.glb -o out.png --technique hard:terminator=1", &["'terminator'", "geometric, smooth"]),
+        ("render yard.glb -o out.png --technique hard:weight=0.5", &["'weight'", "passes=single only"]),
+        (
+            "render yard.glb -o out.png --technique hard:passes=single,weight=2",
+            &["'weight'", "a number from 0 to 1"],
+        ),
+        (
+            "render yard.glb -o out.png --technique hard:passes=single,counter=float",
+            &["'counter'", "auto, stencil8 with passes=single"],
+        ),
         ("render yard.glb -o out.png --floor 0:-3", &["0:12"]),
         ("render yard.glb -o out.png --frames 0", &["--frames"]),
         ("paint yard.glb", &["paint"]),

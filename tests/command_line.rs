@@ -215,6 +215,24 @@ fn techniques_replace_the_scenes_own() {
     assert!(different(&hard, &reference) <= 4, "{} pixels differ", different(&hard, &reference));
     render(&folder, "");
     assert!(different(&hard, &picture(&folder.path("out.png"))) <= 4);
+    // Every other option draws the same shadow of a box, but for the one darkening, which leaves half of the light.
+    for options in [
+        "closure=cap",
+        "closure=backfaces,geometry=closed",
+        "counter=float,geometry=open",
+        "counter=stencil8,extrusion=toBounds",
+    ] {
+        let (other, technique) = with(&format!("hard:{options}"));
+        assert_eq!(technique, "ShadowVolumeHard");
+        assert!(different(&hard, &other) <= 4, "{options}: {} pixels", different(&hard, &other));
+    }
+    // Smooth normals light a rim of the box's far sides, and nothing else.
+    let (smooth, _) = with("hard:terminator=smooth");
+    assert!((1..100).contains(&different(&hard, &smooth)), "{} pixels", different(&hard, &smooth));
+    let (single, _) = with("hard:passes=single,weight=0.25");
+    assert!(different(&single, &none) > 10 && different(&single, &hard) > 10);
+    let label = json(&folder.path("out.json"))["lights"][0]["techniques"][0].clone();
+    assert_eq!(label, "ShadowVolumeHard passes=single weight=0.25");
 }
 
 #[test]

@@ -105,7 +105,8 @@ pub(crate) const ROWS: &[Row] = &[
         ..exact(HARD, "cap")
     },
     exact(HARD, "float"),
-    exact(HARD, "single"),
+    // One darkening for all lights leaves out what is no count: masked casters.
+    forced(HARD, "single", 230),
     exact(HARD, "smooth"),
     exact("Reference", "default"),
 ];
