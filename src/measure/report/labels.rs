@@ -51,6 +51,18 @@ impl Box2 {
         (0..2).all(|i| self.min[i] < other.max[i] && other.min[i] < self.max[i])
     }
 
+    /// Whether a line passes through it, looked at every few pixels.
+    fn is_crossed(&self, from: [f64; 2], to: [f64; 2]) -> bool {
+        const STEPS: u32 = 48;
+        (0..=STEPS).any(|step| {
+            let share = f64::from(step) / f64::from(STEPS);
+            (0..2).all(|i| {
+                let at = from[i] + (to[i] - from[i]) * share;
+                at > self.min[i] && at < self.max[i]
+            })
+        })
+    }
+
     fn is_within(&self, other: &Self) -> bool {
         (0..2).all(|i| self.min[i] >= other.min[i] && self.max[i] <= other.max[i])
     }
@@ -66,6 +78,7 @@ pub(super) fn width_px(text: &str) -> f64 {
 pub(super) fn place(labels: &[Label], obstacles: &[Box2], bounds: [[f64; 2]; 2]) -> Vec<Option<Placed>> {
     let bounds = Box2 { min: bounds[0], max: bounds[1] };
     let mut taken: Vec<Box2> = Vec::new();
+    let mut leaders: Vec<[[f64; 2]; 2]> = Vec::new();
     // Right, left, then the diagonals, above and below; further and further away.
     const DIRECTIONS: [[f64; 2]; 8] = [
         [1.0, 0.0],
@@ -92,9 +105,13 @@ pub(super) fn place(labels: &[Label], obstacles: &[Box2], bounds: [[f64; 2]; 2])
                     max: [left + width, near[1] + LINE_PX * 0.5],
                 };
                 let is_free = !obstacles.iter().chain(&taken).any(|other| other.overlaps(&space));
-                if is_free && space.is_within(&bounds) {
+                let leader = (distance > 20.0).then_some(near);
+                let is_clear = leader
+                    .is_none_or(|end| !taken.iter().any(|other| other.is_crossed(label.at, end)))
+                    && !leaders.iter().any(|[from, to]| space.is_crossed(*from, *to));
+                if is_free && is_clear && space.is_within(&bounds) {
                     taken.push(space);
-                    let leader = (distance > 20.0).then_some(near);
+                    leaders.extend(leader.map(|end| [label.at, end]));
                     return Some(Placed { at: [left, near[1] + LINE_PX * 0.32], leader });
                 }
             }
@@ -136,5 +153,25 @@ mod tests {
     fn a_label_without_room_is_left_out() {
         let label = Label { at: [5.0, 5.0], text: "far too long for this".into() };
         assert_eq!(place(&[label], &[], [[0.0, 0.0], [40.0, 40.0]]), [None]);
+    }
+
+    #[test]
+    fn no_leader_crosses_a_label() {
+        let labels: Vec<Label> = (0..9)
+            .map(|i| Label { at: [200.0 + f64::from(i) * 5.0, 250.0], text: format!("name {i}") })
+            .collect();
+        let marks: Vec<Box2> = labels.iter().map(|label| Box2::mark(label.at)).collect();
+        let placed = place(&labels, &marks, [[0.0, 0.0], [500.0, 270.0]]);
+        let placed: Vec<Placed> = placed.into_iter().map(|placed| placed.expect("there is room")).collect();
+        for (label, leader) in labels.iter().zip(&placed) {
+            let Some(end) = leader.leader else { continue };
+            for (other, at) in labels.iter().zip(&placed).filter(|(_, at)| *at != leader) {
+                let [x, y] = at.at;
+                let text = Box2 { min: [x, y - 9.0], max: [x + width_px(&other.text), y + 3.0] };
+                // Labels placed later keep off leaders too.
+                assert!(!text.is_crossed(label.at, end), "{} over {}", label.text, other.text);
+            }
+        }
+        assert!(placed.iter().any(|placed| placed.leader.is_some()));
     }
 }

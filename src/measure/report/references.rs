@@ -128,7 +128,8 @@ fn content_key(posed: &Posed, request: &FrameRequest, queries: &[LightQuery]) ->
     }
     for query in queries {
         let light = posed.lights.get(query.light);
-        (format!("{light:?}"), &query.casters).hash(&mut hasher);
+        // Whatever a query may ask for is part of what it says of itself.
+        format!("{light:?} {query:?}").hash(&mut hasher);
     }
     let camera = (&request.camera.world_from_view, &request.camera.projection);
     (format!("{camera:?}"), request.size_px).hash(&mut hasher);
