@@ -79,8 +79,45 @@ pub(super) fn place(labels: &[Label], obstacles: &[Box2], bounds: [[f64; 2]; 2])
     let bounds = Box2 { min: bounds[0], max: bounds[1] };
     let mut taken: Vec<Box2> = Vec::new();
     let mut leaders: Vec<[[f64; 2]; 2]> = Vec::new();
-    // Right, left, then the diagonals, above and below; further and further away.
-    const DIRECTIONS: [[f64; 2]; 8] = [
+    let mut placed = Vec::new();
+    for label in labels {
+        let tidy =
+            candidates(label).find(|c| c.is_free(&bounds, obstacles, &taken) && c.is_tidy(&taken, &leaders));
+        // Where marks crowd, a line over a label is better than no label.
+        let chosen = tidy.or_else(|| candidates(label).find(|c| c.is_free(&bounds, obstacles, &taken)));
+        if let Some(Candidate { space, leader, .. }) = &chosen {
+            taken.push(*space);
+            leaders.extend(leader);
+        }
+        placed.push(chosen.map(|c| c.placed));
+    }
+    placed
+}
+
+/// A place that a label might have.
+struct Candidate {
+    space: Box2,
+    leader: Option<[[f64; 2]; 2]>,
+    placed: Placed,
+}
+
+impl Candidate {
+    fn is_free(&self, bounds: &Box2, obstacles: &[Box2], taken: &[Box2]) -> bool {
+        self.space.is_within(bounds)
+            && !obstacles.iter().chain(taken).any(|other| other.overlaps(&self.space))
+    }
+
+    /// Whether neither its line crosses a label nor another's line crosses it.
+    fn is_tidy(&self, taken: &[Box2], leaders: &[[[f64; 2]; 2]]) -> bool {
+        self.leader.is_none_or(|[from, to]| !taken.iter().any(|other| other.is_crossed(from, to)))
+            && !leaders.iter().any(|[from, to]| self.space.is_crossed(*from, *to))
+    }
+}
+
+/// Right, left, then the diagonals, above and below, then between those; further and further away.
+fn candidates(label: &Label) -> impl Iterator<Item = Candidate> {
+    const DISTANCES_PX: [f64; 11] = [9.0, 18.0, 28.0, 40.0, 54.0, 70.0, 88.0, 108.0, 130.0, 154.0, 180.0];
+    const DIRECTIONS: [[f64; 2]; 14] = [
         [1.0, 0.0],
         [0.7, -0.7],
         [0.7, 0.7],
@@ -89,36 +126,30 @@ pub(super) fn place(labels: &[Label], obstacles: &[Box2], bounds: [[f64; 2]; 2])
         [-0.7, 0.7],
         [0.0, -1.0],
         [0.0, 1.0],
+        [0.4, -0.92],
+        [-0.4, -0.92],
+        [0.92, -0.4],
+        [-0.92, -0.4],
+        [0.4, 0.92],
+        [-0.4, 0.92],
     ];
-    let find = |label: &Label| {
-        let width = width_px(&label.text);
-        for distance in [9.0, 18.0, 28.0, 40.0, 54.0, 70.0, 88.0, 108.0, 130.0, 154.0, 180.0] {
-            for [dx, dy] in DIRECTIONS {
-                let near = [label.at[0] + dx * distance, label.at[1] + dy * distance];
-                let left = match dx {
-                    d if d > 0.0 => near[0],
-                    d if d < 0.0 => near[0] - width,
-                    _ => near[0] - width * 0.5,
-                };
-                let space = Box2 {
-                    min: [left, near[1] - LINE_PX * 0.5],
-                    max: [left + width, near[1] + LINE_PX * 0.5],
-                };
-                let is_free = !obstacles.iter().chain(&taken).any(|other| other.overlaps(&space));
-                let leader = (distance > 20.0).then_some(near);
-                let is_clear = leader
-                    .is_none_or(|end| !taken.iter().any(|other| other.is_crossed(label.at, end)))
-                    && !leaders.iter().any(|[from, to]| space.is_crossed(*from, *to));
-                if is_free && is_clear && space.is_within(&bounds) {
-                    taken.push(space);
-                    leaders.extend(leader.map(|end| [label.at, end]));
-                    return Some(Placed { at: [left, near[1] + LINE_PX * 0.32], leader });
-                }
-            }
+    let (at, width) = (label.at, width_px(&label.text));
+    let near = DISTANCES_PX.iter().flat_map(|distance| DIRECTIONS.iter().map(move |d| (*distance, *d)));
+    near.map(move |(distance, [dx, dy])| {
+        let near = [at[0] + dx * distance, at[1] + dy * distance];
+        let left = match dx {
+            d if d > 0.0 => near[0],
+            d if d < 0.0 => near[0] - width,
+            _ => near[0] - width * 0.5,
+        };
+        let (top, bottom) = (near[1] - LINE_PX * 0.5, near[1] + LINE_PX * 0.5);
+        let leader = (distance > 20.0).then_some(near);
+        Candidate {
+            space: Box2 { min: [left, top], max: [left + width, bottom] },
+            leader: leader.map(|end| [at, end]),
+            placed: Placed { at: [left, near[1] + LINE_PX * 0.32], leader },
         }
-        None
-    };
-    labels.iter().map(find).collect()
+    })
 }
 
 #[cfg(test)]
@@ -156,9 +187,9 @@ mod tests {
     }
 
     #[test]
-    fn no_leader_crosses_a_label() {
-        let labels: Vec<Label> = (0..9)
-            .map(|i| Label { at: [200.0 + f64::from(i) * 5.0, 250.0], text: format!("name {i}") })
+    fn no_leader_crosses_a_label_where_there_is_room() {
+        let labels: Vec<Label> = (0..4)
+            .map(|i| Label { at: [200.0 + f64::from(i) * 18.0, 250.0], text: format!("name {i}") })
             .collect();
         let marks: Vec<Box2> = labels.iter().map(|label| Box2::mark(label.at)).collect();
         let placed = place(&labels, &marks, [[0.0, 0.0], [500.0, 270.0]]);
@@ -167,7 +198,7 @@ mod tests {
             let Some(end) = leader.leader else { continue };
             for (other, at) in labels.iter().zip(&placed).filter(|(_, at)| *at != leader) {
                 let [x, y] = at.at;
-                let text = Box2 { min: [x, y - 9.0], max: [x + width_px(&other.text), y + 3.0] };
+                let text = Box2 { min: [x, y - 10.0], max: [x + width_px(&other.text), y + 2.0] };
                 // Labels placed later keep off leaders too.
                 assert!(!text.is_crossed(label.at, end), "{} over {}", label.text, other.text);
             }
