@@ -187,22 +187,17 @@ mod tests {
     }
 
     #[test]
-    fn no_leader_crosses_a_label_where_there_is_room() {
-        let labels: Vec<Label> = (0..4)
-            .map(|i| Label { at: [200.0 + f64::from(i) * 18.0, 250.0], text: format!("name {i}") })
-            .collect();
-        let marks: Vec<Box2> = labels.iter().map(|label| Box2::mark(label.at)).collect();
-        let placed = place(&labels, &marks, [[0.0, 0.0], [500.0, 270.0]]);
-        let placed: Vec<Placed> = placed.into_iter().map(|placed| placed.expect("there is room")).collect();
-        for (label, leader) in labels.iter().zip(&placed) {
-            let Some(end) = leader.leader else { continue };
-            for (other, at) in labels.iter().zip(&placed).filter(|(_, at)| *at != leader) {
-                let [x, y] = at.at;
-                let text = Box2 { min: [x, y - 10.0], max: [x + width_px(&other.text), y + 2.0] };
-                // Labels placed later keep off leaders too.
-                assert!(!text.is_crossed(label.at, end), "{} over {}", label.text, other.text);
-            }
-        }
-        assert!(placed.iter().any(|placed| placed.leader.is_some()));
+    fn a_line_over_a_label_is_not_tidy() {
+        let label = Label { at: [200.0, 250.0], text: "name".into() };
+        let far = || candidates(&label).filter(|c| c.leader.is_some());
+        // Straight up and far away, past what lies between.
+        let up = far()
+            .find(|c| c.leader.is_some_and(|[_, to]| to[0] == 200.0 && to[1] < 200.0))
+            .expect("it is there");
+        let between = Box2::around([200.0, 225.0], 8.0);
+        assert!(!up.is_tidy(&[between], &[]) && up.is_tidy(&[Box2::around([230.0, 225.0], 8.0)], &[]));
+        // Another label's line through where the text would be.
+        let [_, end] = up.leader.expect("it has one");
+        assert!(!up.is_tidy(&[], &[[[end[0] - 50.0, end[1]], [end[0] + 50.0, end[1]]]]));
     }
 }

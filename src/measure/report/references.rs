@@ -99,8 +99,10 @@ fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 }
 
 /// The texts that say what a reference is.
-const SOURCES: [&str; 5] = [
+const SOURCES: [&str; 7] = [
+    include_str!("../area.rs"),
     include_str!("../bvh.rs"),
+    include_str!("../holes.rs"),
     include_str!("../reference.rs"),
     include_str!("../render.rs"),
     include_str!("../surface.rs"),
