@@ -51,6 +51,18 @@ impl Box2 {
         (0..2).all(|i| self.min[i] < other.max[i] && other.min[i] < self.max[i])
     }
 
+    /// Whether a line passes through it, looked at every few pixels.
+    fn is_crossed(&self, from: [f64; 2], to: [f64; 2]) -> bool {
+        const STEPS: u32 = 48;
+        (0..=STEPS).any(|step| {
+            let share = f64::from(step) / f64::from(STEPS);
+            (0..2).all(|i| {
+                let at = from[i] + (to[i] - from[i]) * share;
+                at > self.min[i] && at < self.max[i]
+            })
+        })
+    }
+
     fn is_within(&self, other: &Self) -> bool {
         (0..2).all(|i| self.min[i] >= other.min[i] && self.max[i] <= other.max[i])
     }
@@ -66,8 +78,46 @@ pub(super) fn width_px(text: &str) -> f64 {
 pub(super) fn place(labels: &[Label], obstacles: &[Box2], bounds: [[f64; 2]; 2]) -> Vec<Option<Placed>> {
     let bounds = Box2 { min: bounds[0], max: bounds[1] };
     let mut taken: Vec<Box2> = Vec::new();
-    // Right, left, then the diagonals, above and below; further and further away.
-    const DIRECTIONS: [[f64; 2]; 8] = [
+    let mut leaders: Vec<[[f64; 2]; 2]> = Vec::new();
+    let mut placed = Vec::new();
+    for label in labels {
+        let tidy =
+            candidates(label).find(|c| c.is_free(&bounds, obstacles, &taken) && c.is_tidy(&taken, &leaders));
+        // Where marks crowd, a line over a label is better than no label.
+        let chosen = tidy.or_else(|| candidates(label).find(|c| c.is_free(&bounds, obstacles, &taken)));
+        if let Some(Candidate { space, leader, .. }) = &chosen {
+            taken.push(*space);
+            leaders.extend(leader);
+        }
+        placed.push(chosen.map(|c| c.placed));
+    }
+    placed
+}
+
+/// A place that a label might have.
+struct Candidate {
+    space: Box2,
+    leader: Option<[[f64; 2]; 2]>,
+    placed: Placed,
+}
+
+impl Candidate {
+    fn is_free(&self, bounds: &Box2, obstacles: &[Box2], taken: &[Box2]) -> bool {
+        self.space.is_within(bounds)
+            && !obstacles.iter().chain(taken).any(|other| other.overlaps(&self.space))
+    }
+
+    /// Whether neither its line crosses a label nor another's line crosses it.
+    fn is_tidy(&self, taken: &[Box2], leaders: &[[[f64; 2]; 2]]) -> bool {
+        self.leader.is_none_or(|[from, to]| !taken.iter().any(|other| other.is_crossed(from, to)))
+            && !leaders.iter().any(|[from, to]| self.space.is_crossed(*from, *to))
+    }
+}
+
+/// Right, left, then the diagonals, above and below, then between those; further and further away.
+fn candidates(label: &Label) -> impl Iterator<Item = Candidate> {
+    const DISTANCES_PX: [f64; 11] = [9.0, 18.0, 28.0, 40.0, 54.0, 70.0, 88.0, 108.0, 130.0, 154.0, 180.0];
+    const DIRECTIONS: [[f64; 2]; 14] = [
         [1.0, 0.0],
         [0.7, -0.7],
         [0.7, 0.7],
@@ -76,32 +126,30 @@ pub(super) fn place(labels: &[Label], obstacles: &[Box2], bounds: [[f64; 2]; 2])
         [-0.7, 0.7],
         [0.0, -1.0],
         [0.0, 1.0],
+        [0.4, -0.92],
+        [-0.4, -0.92],
+        [0.92, -0.4],
+        [-0.92, -0.4],
+        [0.4, 0.92],
+        [-0.4, 0.92],
     ];
-    let find = |label: &Label| {
-        let width = width_px(&label.text);
-        for distance in [9.0, 18.0, 28.0, 40.0, 54.0, 70.0, 88.0, 108.0, 130.0, 154.0, 180.0] {
-            for [dx, dy] in DIRECTIONS {
-                let near = [label.at[0] + dx * distance, label.at[1] + dy * distance];
-                let left = match dx {
-                    d if d > 0.0 => near[0],
-                    d if d < 0.0 => near[0] - width,
-                    _ => near[0] - width * 0.5,
-                };
-                let space = Box2 {
-                    min: [left, near[1] - LINE_PX * 0.5],
-                    max: [left + width, near[1] + LINE_PX * 0.5],
-                };
-                let is_free = !obstacles.iter().chain(&taken).any(|other| other.overlaps(&space));
-                if is_free && space.is_within(&bounds) {
-                    taken.push(space);
-                    let leader = (distance > 20.0).then_some(near);
-                    return Some(Placed { at: [left, near[1] + LINE_PX * 0.32], leader });
-                }
-            }
+    let (at, width) = (label.at, width_px(&label.text));
+    let near = DISTANCES_PX.iter().flat_map(|distance| DIRECTIONS.iter().map(move |d| (*distance, *d)));
+    near.map(move |(distance, [dx, dy])| {
+        let near = [at[0] + dx * distance, at[1] + dy * distance];
+        let left = match dx {
+            d if d > 0.0 => near[0],
+            d if d < 0.0 => near[0] - width,
+            _ => near[0] - width * 0.5,
+        };
+        let (top, bottom) = (near[1] - LINE_PX * 0.5, near[1] + LINE_PX * 0.5);
+        let leader = (distance > 20.0).then_some(near);
+        Candidate {
+            space: Box2 { min: [left, top], max: [left + width, bottom] },
+            leader: leader.map(|end| [at, end]),
+            placed: Placed { at: [left, near[1] + LINE_PX * 0.32], leader },
         }
-        None
-    };
-    labels.iter().map(find).collect()
+    })
 }
 
 #[cfg(test)]
@@ -136,5 +184,20 @@ mod tests {
     fn a_label_without_room_is_left_out() {
         let label = Label { at: [5.0, 5.0], text: "far too long for this".into() };
         assert_eq!(place(&[label], &[], [[0.0, 0.0], [40.0, 40.0]]), [None]);
+    }
+
+    #[test]
+    fn a_line_over_a_label_is_not_tidy() {
+        let label = Label { at: [200.0, 250.0], text: "name".into() };
+        let far = || candidates(&label).filter(|c| c.leader.is_some());
+        // Straight up and far away, past what lies between.
+        let up = far()
+            .find(|c| c.leader.is_some_and(|[_, to]| to[0] == 200.0 && to[1] < 200.0))
+            .expect("it is there");
+        let between = Box2::around([200.0, 225.0], 8.0);
+        assert!(!up.is_tidy(&[between], &[]) && up.is_tidy(&[Box2::around([230.0, 225.0], 8.0)], &[]));
+        // Another label's line through where the text would be.
+        let [_, end] = up.leader.expect("it has one");
+        assert!(!up.is_tidy(&[], &[[[end[0] - 50.0, end[1]], [end[0] + 50.0, end[1]]]]));
     }
 }

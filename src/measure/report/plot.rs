@@ -182,8 +182,9 @@ impl Plot {
 
     /// A remark in the upper right corner of the frame.
     pub(super) fn remark(&mut self, text: &str) {
-        let at = [self.layout.width - self.layout.right - 6.0, TOP + 14.0];
+        let at = [self.layout.width - self.layout.right - 4.0, TOP + 12.0];
         self.svg.text("remark", at, Anchor::End, text);
+        self.obstacles.push(Box2::line([at[0] - width_px(text) * 0.9, at[1] - 8.0], at));
     }
 
     /// The picture, labels placed.

@@ -80,7 +80,8 @@ pub(super) fn overview(report: &Report) -> Option<Svg> {
         return None;
     }
     points.extend(tables::pooled_none(report).map(none_point));
-    Some(plane(&points))
+    let [width, height] = report.size_px;
+    Some(plane(&points, &format!("{width}×{height}, {}", report.adapter)))
 }
 
 /// One scene in a plane.
@@ -125,7 +126,7 @@ pub(super) fn scene_plane(report: &Report, scene: &SceneReport) -> Option<Svg> {
             title: format!("the reference: traced on the CPU in {} ms", number(scene.reference_ms)),
         });
     }
-    Some(plane(&points))
+    Some(plane(&points, ""))
 }
 
 fn none_point(error: f64) -> PlanePoint {
@@ -140,7 +141,7 @@ fn none_point(error: f64) -> PlanePoint {
     }
 }
 
-fn plane(points: &[PlanePoint]) -> Svg {
+fn plane(points: &[PlanePoint], remark: &str) -> Svg {
     let spreads = points.iter().filter_map(|p| p.spread).flatten();
     let x = AxisOf {
         title: COST_TITLE,
@@ -160,6 +161,7 @@ fn plane(points: &[PlanePoint]) -> Svg {
     let front: Vec<[f64; 2]> =
         front(&costs).into_iter().map(|i| [complete[i].cost, complete[i].error]).collect();
     plot.stairs("front", &front);
+    plot.remark(remark);
     for point in points {
         plot.mark(&Mark {
             at: [point.cost, point.error],

@@ -99,8 +99,10 @@ fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 }
 
 /// The texts that say what a reference is.
-const SOURCES: [&str; 5] = [
+const SOURCES: [&str; 7] = [
+    include_str!("../area.rs"),
     include_str!("../bvh.rs"),
+    include_str!("../holes.rs"),
     include_str!("../reference.rs"),
     include_str!("../render.rs"),
     include_str!("../surface.rs"),
@@ -128,7 +130,8 @@ fn content_key(posed: &Posed, request: &FrameRequest, queries: &[LightQuery]) ->
     }
     for query in queries {
         let light = posed.lights.get(query.light);
-        (format!("{light:?}"), &query.casters).hash(&mut hasher);
+        // Whatever a query may ask for is part of what it says of itself.
+        format!("{light:?} {query:?}").hash(&mut hasher);
     }
     let camera = (&request.camera.world_from_view, &request.camera.projection);
     (format!("{camera:?}"), request.size_px).hash(&mut hasher);
