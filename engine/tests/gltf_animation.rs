@@ -397,10 +397,10 @@ fn what_does_not_fit_is_named() {
         d["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("WEIGHTS_0");
     });
     refused(&["animation 0 'clip'", "sampler 7", "has 1"], |d| {
-        d["animations"][0]["channels"][0]["sampler"] = 7.into()
+        d["animations"][0]["channels"][0]["sampler"] = 7.into();
     });
     refused(&["animation 0 'clip'", "node 7", "has 3"], |d| {
-        d["animations"][0]["channels"][0]["target"]["node"] = 7.into()
+        d["animations"][0]["channels"][0]["target"]["node"] = 7.into();
     });
     refused(&["'input'", "accessor 7", "has 5"], |d| d["animations"][0]["samplers"][0]["input"] = 7.into());
     refused(&["interpolation", "CUBICSPLINE"], |d| {
