@@ -8,10 +8,13 @@ use std::time::{Duration, Instant};
 
 use glam::{DAffine3, DVec3, Vec3};
 use serde_json::{Value, json};
-use shadowgraph_engine::geometry::{Mesh, MeshData};
+use shadowgraph_engine::geometry::{Influences, Mesh, MeshData, MorphTarget};
 use shadowgraph_engine::gltf;
 use shadowgraph_engine::math::Projection;
-use shadowgraph_engine::scene::{Camera, Image, Light, Material, Scene, ShadowNode, TextureRef, Wrap};
+use shadowgraph_engine::scene::{
+    Animation, Camera, Channel, Content, Image, Interpolation, Light, Material, Property, Scene, ShadowNode,
+    Skin, TextureRef, Track, Wrap,
+};
 
 /// A small random generator (SplitMix64): the same inputs on every machine.
 struct Random(u64);
@@ -60,25 +63,86 @@ fn saved() -> Vec<u8> {
     gltf::to_glb(&scene).unwrap()
 }
 
-/// Hand-written: sparse accessor, strip, fan, data URI, skin, quantised attributes.
+/// A saved scene in which everything moves: a skin of two joints, morph targets, three kinds of keys.
+fn moving() -> Vec<u8> {
+    let mut scene = Scene::new();
+    let lower = scene.add_group("lower");
+    let upper = scene.add(Some(lower), "upper", DAffine3::from_translation(DVec3::Y), Content::Group);
+    let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    let data = MeshData {
+        name: "bent".into(),
+        influences: (0..4).map(|i| Influences::new([(0, 0.5), (i % 2, 0.5)])).collect(),
+        morphs: vec![
+            MorphTarget {
+                name: "a".into(),
+                positions: positions.clone(),
+                normals: positions.clone(),
+                weight: 0.5,
+            },
+            MorphTarget { name: "b".into(), positions: vec![Vec3::X; 4], ..MorphTarget::default() },
+        ],
+        positions,
+        indices: vec![0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3],
+        ..MeshData::default()
+    };
+    let node = scene.add_mesh(Mesh::new(data).unwrap(), Material::default(), DAffine3::IDENTITY);
+    let binds = vec![DAffine3::IDENTITY, DAffine3::from_translation(-DVec3::Y)];
+    let skin = scene.add_skin(Skin::new("skin", vec![lower, upper], binds)).unwrap();
+    if let Content::Mesh(content) = &mut scene.node_mut(node).unwrap().content {
+        content.skin = Some(skin);
+        content.weights = vec![0.25, 0.5];
+    }
+    let track = |property, interpolation, values: &[f32]| {
+        Track::new(property, interpolation, vec![0.0, 1.5], values.to_vec()).unwrap()
+    };
+    let channels = vec![
+        Channel::new(
+            lower,
+            track(Property::Rotation, Interpolation::Linear, &[0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0]),
+        ),
+        Channel::new(upper, track(Property::Scale, Interpolation::Step, &[1.0, 1.0, 1.0, 2.0, 0.0, -1.0])),
+        Channel::new(node, track(Property::Weights, Interpolation::CubicSpline, &[0.5; 12])),
+    ];
+    scene.add_animation(Animation::new("clip", channels)).unwrap();
+    gltf::to_glb(&scene).unwrap()
+}
+
+/// Hand-written: sparse accessors (of a morph target too), strip, fan, data URI, skin, quantised attributes, instances,
+/// an animation with small integers, shadow flags.
 fn handwritten() -> Vec<u8> {
     json!({
-        "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0] }],
-        "nodes": [{ "mesh": 0, "children": [1], "translation": [1, 2, 3] }, { "rotation": [0, 0, 0, 1], "mesh": 0 }],
-        "meshes": [{ "primitives": [
-            { "attributes": { "POSITION": 0 }, "mode": 5 },
-            { "attributes": { "POSITION": 1, "COLOR_0": 2 }, "mode": 6, "indices": 3, "targets": [{ "POSITION": 0 }] },
-            { "attributes": { "POSITION": 0 }, "mode": 0 }] }],
+        "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0], "name": "a" }, { "nodes": [1] }],
+        "nodes": [
+            { "mesh": 0, "children": [1, 2], "translation": [1, 2, 3], "skin": 0, "weights": [0.5] },
+            { "rotation": [0, 0, 0, 1], "mesh": 0 },
+            { "mesh": 1, "extensions": { "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": 1, "SCALE": 0 } } } }],
+        "skins": [{ "joints": [1, 0] }],
+        "animations": [{ "samplers": [{ "input": 5, "output": 4 }, { "input": 5, "output": 5, "interpolation": "STEP" }],
+            "channels": [{ "sampler": 0, "target": { "node": 1, "path": "rotation" } },
+                { "sampler": 1, "target": { "node": 0, "path": "weights" } }] }],
+        "meshes": [
+            { "weights": [0.1], "primitives": [
+                { "attributes": { "POSITION": 0, "JOINTS_0": 2, "WEIGHTS_0": 2 }, "mode": 5, "targets": [{ "POSITION": 0 }] },
+                { "attributes": { "POSITION": 0, "JOINTS_0": 2, "WEIGHTS_0": 2 }, "mode": 0 }] },
+            { "extras": { "castShadow": false }, "primitives": [{ "attributes": { "POSITION": 1, "COLOR_0": 4 }, "mode": 6,
+                "indices": 3, "extensions": { "KHR_lights_shadows": { "castShadow": true } } }] }],
         "accessors": [
             { "componentType": 5126, "count": 4, "type": "VEC3", "sparse": { "count": 2,
               "indices": { "bufferView": 0, "componentType": 5121 }, "values": { "bufferView": 1 } } },
-            { "bufferView": 1, "componentType": 5122, "normalized": true, "count": 3, "type": "VEC3" },
-            { "bufferView": 1, "componentType": 5121, "count": 3, "type": "VEC4" },
-            { "bufferView": 0, "componentType": 5121, "count": 2, "type": "SCALAR" }],
+            { "bufferView": 1, "componentType": 5122, "normalized": true, "count": 4, "type": "VEC3" },
+            { "bufferView": 2, "componentType": 5121, "count": 4, "type": "VEC4" },
+            { "bufferView": 0, "componentType": 5121, "count": 4, "type": "SCALAR" },
+            { "bufferView": 2, "componentType": 5121, "normalized": true, "count": 4, "type": "VEC4" },
+            { "componentType": 5126, "count": 4, "type": "SCALAR", "sparse": { "count": 1,
+              "indices": { "bufferView": 3, "componentType": 5121 }, "values": { "bufferView": 4 } } }],
         "bufferViews": [
             { "buffer": 0, "byteLength": 4 },
-            { "buffer": 0, "byteOffset": 4, "byteLength": 24, "byteStride": 8 }],
-        "buffers": [{ "byteLength": 28, "uri": "data:;base64,AQIDAAAAAAAAAAAAAAAAAAAAgD8AAIA/AAAAAA==" }],
+            { "buffer": 0, "byteOffset": 4, "byteLength": 32, "byteStride": 8 },
+            { "buffer": 0, "byteOffset": 36, "byteLength": 16 },
+            { "buffer": 0, "byteOffset": 52, "byteLength": 1 },
+            { "buffer": 0, "byteOffset": 56, "byteLength": 4 }],
+        // Two places and two points; 16 bytes of joints, weights or quaternions, all 0 or 1; the place 3, the time 1.
+        "buffers": [{ "byteLength": 60, "uri": "data:;base64,AQIDAAAAAAAAAAAAAAAAAAAAgD8AAIA/AAAAAAAAAAAAAAAAAAAAAQABAAEBAAABAQEAAQMAAAAAAIA/" }],
     })
     .to_string()
     .into_bytes()
@@ -158,9 +222,9 @@ fn mutated_files_neither_panic_nor_hang() {
     let setting = |name: &str| std::env::var(name).ok().and_then(|value| value.parse::<u64>().ok());
     let inputs = setting("FUZZ_INPUTS").unwrap_or(20_000);
     let mut random = Random(setting("FUZZ_SEED").unwrap_or(1));
-    let seeds = [saved(), handwritten()];
+    let seeds = [saved(), moving(), handwritten()];
     for seed in &seeds {
-        gltf::load_slice(seed, None).unwrap();
+        gltf::load_slice(seed, None).unwrap().scene.pose().unwrap();
     }
     let (mut loaded, mut slowest) = (0_u64, Duration::ZERO);
     for input in 0..inputs {
@@ -183,10 +247,13 @@ fn mutated_files_neither_panic_nor_hang() {
             bytes.truncate(random.below(bytes.len()));
         }
         let start = Instant::now();
-        if let Ok(scene) = gltf::load_slice(&bytes, None) {
+        if let Ok(mut scene) = gltf::load_slice(&bytes, None) {
             loaded += 1;
-            // What loads can be posed or refused, and saved or refused, without a panic.
-            let _ = scene.scene.pose();
+            // What loads can be posed or refused at any time, and saved or refused, without a panic.
+            for seconds in [0.0, 0.7, 1e9] {
+                let _ = scene.scene.animate_all(seconds);
+                let _ = scene.scene.pose();
+            }
             let _ = gltf::to_glb(&scene.scene);
         }
         let elapsed = start.elapsed();

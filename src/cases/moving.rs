@@ -69,7 +69,7 @@ pub(super) fn skinned_extreme() -> Vec<Stage> {
         // The upper two bones lie along +x, 0.8 m up.
         posed_stalk("bent", stalk(), [still, turn(DVec3::NEG_Z, 90.0), still])
             .dark(&[p(1.7, 0.0, 0.0)])
-            .lit(&[p(1.7, 0.0, 1.0), p(0.25, 0.0, -1.3)]),
+            .lit(&[p(1.7, 0.0, 1.0), p(0.25, 0.0, 1.3)]),
         posed_stalk("folded", stalk(), [still, turn(DVec3::NEG_Z, 175.0), turn(DVec3::X, -150.0)]),
         // Linear blending shrinks the stalk to a point between the bones.
         posed_stalk(
@@ -122,7 +122,7 @@ pub(super) fn morph() -> Vec<Stage> {
     let under_nose = [p(1.5, 0.0, 0.0)];
     vec![
         morphed("none", [0.0, 0.0]).lit(&under_nose).dark(&[p(0.25, 0.0, 0.0)]),
-        morphed("half", [0.5, 0.0]).lit(&under_nose),
+        morphed("half", [0.5, 0.0]).lit(&[p(1.8, 0.0, 0.0)]),
         morphed("full", [1.0, 0.0]).dark(&under_nose),
         morphed("beyond", [1.6, 0.0]).dark(&under_nose),
         morphed("negative", [-0.7, 0.0]).lit(&under_nose),

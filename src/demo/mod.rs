@@ -11,6 +11,7 @@ mod plant;
 mod room;
 mod set;
 pub(crate) mod speed;
+mod tentacles;
 
 use shadowgraph_engine::scene::Scene;
 
@@ -27,6 +28,11 @@ pub fn all() -> Vec<(&'static str, &'static str, Scene)> {
         ("knots", "torus knots and spheres over a floor under three coloured lamps", knots::knots()),
         ("columns", "a colonnade in low sun: long shadows of open and closed casters", columns::columns()),
         ("leaves", "open leaves of either winding close up under a spot", plant::leaves()),
+        (
+            "tentacles",
+            "skinned tentacles that toss a ball around an opening bud (--time)",
+            tentacles::tentacles(),
+        ),
     ]
 }
 

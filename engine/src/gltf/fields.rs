@@ -12,25 +12,28 @@ use super::GltfError;
 pub(super) struct Item<'v> {
     pub(super) kind: &'static str,
     pub(super) index: usize,
+    name: Option<&'v str>,
     value: &'v Value,
 }
 
 impl<'v> Item<'v> {
     pub(super) fn new(kind: &'static str, index: usize, value: &'v Value) -> Result<Self, GltfError> {
-        let item = Self { kind, index, value };
+        let name = value.get("name").and_then(Value::as_str);
+        let item = Self { kind, index, name, value };
         if value.is_object() { Ok(item) } else { Err(item.wrong("", "must be a JSON object")) }
     }
 
     /// "node 3 'wheel'".
     pub(super) fn label(&self) -> String {
-        match self.name() {
+        match self.name {
             Some(name) => format!("{} {} '{name}'", self.kind, self.index),
             None => format!("{} {}", self.kind, self.index),
         }
     }
 
+    /// Its name; a sub-object has that of the whole.
     pub(super) fn name(&self) -> Option<&'v str> {
-        self.get("name").and_then(Value::as_str)
+        self.name
     }
 
     /// The field, unless it is absent or null.

@@ -30,8 +30,7 @@ const FARTHEST_M: f64 = 1e18;
 
 pub(super) fn check_reach(matrix: &DAffine3) -> Result<(), String> {
     let values = matrix.to_cols_array();
-    // NaN is beyond every bound.
-    match values.iter().find(|value| !(value.abs() <= FARTHEST_M)) {
+    match values.iter().find(|value| value.is_nan() || value.abs() > FARTHEST_M) {
         Some(value) => Err(format!("holds {value:e}; numbers from -1e18 to 1e18 are accepted")),
         None => Ok(()),
     }

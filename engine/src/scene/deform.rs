@@ -182,8 +182,8 @@ pub(super) fn is_placed(world_from_local: &DAffine3) -> bool {
 fn is_singular(world_from_local: &DAffine3) -> bool {
     let linear = world_from_local.matrix3;
     let size = linear.x_axis.length() * linear.y_axis.length() * linear.z_axis.length();
-    // Written so that not-a-number counts as singular.
-    !(linear.determinant().abs() > SINGULAR * size)
+    let volume = linear.determinant().abs();
+    volume.is_nan() || volume <= SINGULAR * size
 }
 
 /// The weights of the morph targets; none where no target takes part.
