@@ -268,7 +268,9 @@ impl ShadowVolumeHard {
                 continue;
             }
             let refusal = match (self.geometry, self.passes) {
-                (GeometryMode::Closed, _) => "geometry=closed, but '{}' has masked parts (accepted for it: auto, open)",
+                (GeometryMode::Closed, _) => {
+                    "geometry=closed, but '{}' has masked parts (accepted for it: auto, open)"
+                }
                 (_, Passes::Single { .. }) => {
                     "passes=single, but '{}' has masked parts, which are no counts (accepted for it: multi)"
                 }

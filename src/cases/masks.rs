@@ -83,8 +83,7 @@ fn readings() -> Vec<Stage> {
         let texture = read(squares(&mut stage));
         stage.caster_in(level_card(1.2), vec![leaf(texture)])
     };
-    let turned =
-        UvTransform { offset: Vec2::new(0.3, -0.2), rotation_rad: 0.5, scale: Vec2::new(2.5, 1.7) };
+    let turned = UvTransform { offset: Vec2::new(0.3, -0.2), rotation_rad: 0.5, scale: Vec2::new(2.5, 1.7) };
     vec![
         reading("linear", &|texture| texture),
         reading("nearest", &|texture| TextureRef { smooth: false, ..texture }),
@@ -145,7 +144,10 @@ fn shapes() -> Vec<Stage> {
         card("standing", upright_card(Vec3::X, 0.0), round_hole).point(p(0.4, 2.5, -2.0)),
         card("folded", folded.clone(), squares).point(p(1.2, 3.0, 0.4)),
         card("folded-sun", folded, round_hole).sun(p(-1.0, -0.8, -0.1)),
-        boxed.caster_in(solid, vec![wood, holes]).point(p(0.2, 4.0, 0.3)).eye(p(2.0, 4.0, 3.0), p(0.0, 0.8, 0.0)),
+        boxed
+            .caster_in(solid, vec![wood, holes])
+            .point(p(0.2, 4.0, 0.3))
+            .eye(p(2.0, 4.0, 3.0), p(0.0, 0.8, 0.0)),
         card("many-lights", level_card(1.0), round_hole)
             .caster(block(v(1.4, 0.5, -0.6), v(0.3, 0.3, 0.3)))
             .point(p(1.5, 3.0, 1.0))

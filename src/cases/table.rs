@@ -2,7 +2,8 @@
 
 use super::stage::Stage;
 use super::{
-    Answer, CaseEntry, counts, eyes, glass, lights, many, maps, masks, planar, repairs, soft, topology, transforms,
+    Answer, CaseEntry, counts, eyes, glass, lights, many, maps, masks, planar, repairs, soft, topology,
+    transforms,
 };
 
 /// Glass is the business of coloured techniques alone.
@@ -175,12 +176,7 @@ const ROWS: &[CaseEntry] = &[
         "all cast",
         lights::casters_around_light,
     ),
-    row(
-        "alpha-mask",
-        "a leaf card with holes casts a solid slab",
-        "exact per texel",
-        masks::alpha_mask,
-    ),
+    row("alpha-mask", "a leaf card with holes casts a solid slab", "exact per texel", masks::alpha_mask),
     row(
         "terminator",
         "the shadow's edge on smooth-shaded facets",

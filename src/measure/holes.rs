@@ -34,8 +34,8 @@ impl Mask {
         };
         let transform = worn.map(|texture| texture.transform).unwrap_or_default();
         let uv = |vertex: u32| {
-            let scaled = uvs.get(vertex as usize).copied().unwrap_or_default().as_dvec2()
-                * transform.scale.as_dvec2();
+            let scaled =
+                uvs.get(vertex as usize).copied().unwrap_or_default().as_dvec2() * transform.scale.as_dvec2();
             let (sin, cos) = f64::from(transform.rotation_rad).sin_cos();
             DVec2::new(cos * scaled.x + sin * scaled.y, cos * scaled.y - sin * scaled.x)
                 + transform.offset.as_dvec2()

@@ -62,7 +62,9 @@ impl ShadowTechnique for ReferenceShadow {
             posed.instances.iter().map(|i| (i.pose_key, i.shadow.receives)).collect();
         let worn = posed.instances.iter().flat_map(|instance| &instance.materials);
         let worn: Vec<String> = worn
-            .map(|m| format!("{:?}", (m.alpha_mode, m.base_color.w, m.base_color_texture, m.double_sided, m.unlit)))
+            .map(|m| {
+                format!("{:?}", (m.alpha_mode, m.base_color.w, m.base_color_texture, m.double_sided, m.unlit))
+            })
             .collect();
         let seen_from = (format!("{:?}", view.camera), format!("{:?}", light.light()), view.size_px);
         let key = hash_of(("reference", poses, worn, &casters, seen_from));

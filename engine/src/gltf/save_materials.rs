@@ -8,7 +8,9 @@ use serde_json::{Map, Value, json};
 
 use super::GltfError;
 use super::save_meshes::Binary;
-use crate::scene::{AlphaMode, ImageKey, Material, MaterialKey, Scene, TexCoord, TextureRef, UvTransform, Wrap};
+use crate::scene::{
+    AlphaMode, ImageKey, Material, MaterialKey, Scene, TexCoord, TextureRef, UvTransform, Wrap,
+};
 
 /// The materials written so far, and what they wear.
 #[derive(Debug, Default)]

@@ -62,8 +62,6 @@ fn second_uvs(material: &Material) -> u32 {
     textures(material).iter().enumerate().map(|(i, (texture, _))| u32::from(on_second(texture)) << i).sum()
 }
 
-
-
 /// The shader flags of the bits of [`features`].
 pub(crate) const FEATURE_FLAGS: [&str; 11] = [
     "UNLIT",

@@ -64,7 +64,8 @@ impl Meshes {
         }
         let data = mesh.data();
         let limit = gpu.limits.max_storage_buffer_binding_size.min(gpu.limits.max_buffer_size);
-        let bytes = (data.positions.len() as u64 * size_of::<Attributes>() as u64).max(data.indices.len() as u64 * 4);
+        let bytes =
+            (data.positions.len() as u64 * size_of::<Attributes>() as u64).max(data.indices.len() as u64 * 4);
         if bytes > limit {
             return Err(GpuError::BufferTooLarge {
                 mesh: mesh.name().into(),

@@ -186,7 +186,8 @@ impl FramePlan {
         let id = binding.slot();
         let slot = self.slot_of(pass, id)?;
         match (&slot.kind, binding) {
-            (SlotKind::Buffer { .. }, Binding::Storage(_)) | (SlotKind::Image { .. }, Binding::Texture(_)) => {
+            (SlotKind::Buffer { .. }, Binding::Storage(_))
+            | (SlotKind::Image { .. }, Binding::Texture(_)) => {
                 return Ok(());
             }
             (SlotKind::Texture { .. }, Binding::Texture(_) | Binding::TextureArray(_)) => {}

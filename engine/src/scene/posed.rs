@@ -9,8 +9,8 @@ use glam::{DAffine3, DVec3, DVec4, Vec3};
 
 use super::deform::is_placed;
 use super::{
-    Camera, CameraKey, Content, Image, ImageKey, Light, LightKey, LightKind, Material, NodeKey,
-    Scene, SceneError, Scope, ShadowFlags, ShadowKey, ShadowNode,
+    Camera, CameraKey, Content, Image, ImageKey, Light, LightKey, LightKind, Material, NodeKey, Scene,
+    SceneError, Scope, ShadowFlags, ShadowKey, ShadowNode,
 };
 use crate::geometry::Mesh;
 use crate::math::{Aabb, Projection, ViewFrustum};

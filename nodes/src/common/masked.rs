@@ -86,8 +86,7 @@ pub fn layouts() -> [(&'static str, Layout); 3] {
         ($type:ty: $($field:ident),*) => { vec![$((stringify!($field), std::mem::offset_of!($type, $field))),*] };
     }
     let triangle = fields!(MaskedTriangle: a, alpha_a, b, alpha_b, c, alpha_c, bc, ca, ab, away, caster, uv_a, uv_b, uv_c, pad_0);
-    let caster =
-        fields!(MaskedCaster: center, alpha, light, end_normal, end_offset, end_kind, end_scale, cutoff, reading);
+    let caster = fields!(MaskedCaster: center, alpha, light, end_normal, end_offset, end_kind, end_scale, cutoff, reading);
     let mut casters = fields!(MaskedView: world_x, world_y, world_z);
     casters.push(("casters", size_of::<MaskedView>()));
     // A runtime-sized array counts as one element.
@@ -170,8 +169,13 @@ fn pass(light: &mut LightPlan<'_>, records: &[MaskedCaster], batches: &[Batch]) 
     let bytes = [bytes_of(&head), cast_slice(records)].concat();
     let key = hash_of(("masked casters", &bytes));
     let (count, reason) = (records.len(), "where masked casters and the light are, as the eye sees them");
-    let casters =
-        light.buffer(&format!("masked casters of {name}"), BufferUsage::Storage, key, Arc::new(bytes), reason);
+    let casters = light.buffer(
+        &format!("masked casters of {name}"),
+        BufferUsage::Storage,
+        key,
+        Arc::new(bytes),
+        reason,
+    );
     let depth = light.receiver_depth();
     let mut state = DrawState::new(CompareFunction::Less, vec![Some(BlendState::REPLACE)]);
     state.culled = Some(Face::Front);
@@ -203,7 +207,10 @@ fn pass(light: &mut LightPlan<'_>, records: &[MaskedCaster], batches: &[Batch]) 
             name: format!("{} masked triangles", batch.triangles),
             shader: Some(shader(batch.image.is_some())),
             state: state.clone(),
-            geometry: Geometry::Procedural { vertices: batch.triangles as u32 * PRISM_VERTICES, instances: 1 },
+            geometry: Geometry::Procedural {
+                vertices: batch.triangles as u32 * PRISM_VERTICES,
+                instances: 1,
+            },
             bindings,
             scissor_px: None,
         });
@@ -211,7 +218,9 @@ fn pass(light: &mut LightPlan<'_>, records: &[MaskedCaster], batches: &[Batch]) 
     let target = light.multiply_visibility(Channels::One);
     Ok(Pass {
         name: format!("masks of {name}"),
-        reason: format!("{count} casters with holes between {name} and the view: asked at every pixel behind them"),
+        reason: format!(
+            "{count} casters with holes between {name} and the view: asked at every pixel behind them"
+        ),
         colors: vec![target],
         depth: Some(light.test_receiver_depth()),
         draws,
@@ -222,7 +231,12 @@ fn shader(textured: bool) -> Shader {
     let flags: &[&str] = if textured { &["BASE_COLOR_TEXTURE"] } else { &[] };
     let source = shadowgraph_shaders::compose_named("masked_volume", flags).unwrap_or_default();
     let name = if textured { "masked_volume BASE_COLOR_TEXTURE" } else { "masked_volume" };
-    Shader { name: name.into(), source: source.into(), vertex: "vertex".into(), fragment: Some("darken".into()) }
+    Shader {
+        name: name.into(),
+        source: source.into(),
+        vertex: "vertex".into(),
+        fragment: Some("darken".into()),
+    }
 }
 
 /// The rotation from view space to the world.
