@@ -131,7 +131,9 @@ fn mapped_normal(n: vec3f, p: vec3f, uvs: Uvs) -> vec3f {
     let py = cross(n, dp_dx);
     let tangent = px * duv_dx.x + py * duv_dy.x;
     let bitangent = px * duv_dx.y + py * duv_dy.y;
-    let size = inverseSqrt(max(max(dot(tangent, tangent), dot(bitangent, bitangent)), 1e-30));
+    // Pixels run downwards, and a surface may be seen mirrored: the frame turns with them.
+    let turn = sign(dot(dp_dx, px));
+    let size = turn * inverseSqrt(max(max(dot(tangent, tangent), dot(bitangent, bitangent)), 1e-30));
     let texel = textureSample(normal_texture, normal_sampler, uv).xyz * 2.0 - 1.0;
     let scaled = vec3f(texel.xy * material.normal_scale, texel.z);
     return normalize(tangent * size * scaled.x - bitangent * size * scaled.y + n * scaled.z);

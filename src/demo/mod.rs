@@ -5,6 +5,7 @@
 //! relative to one another; the renderer sets the exposure.
 
 mod columns;
+mod foliage;
 mod furniture;
 mod knots;
 mod plant;
@@ -27,6 +28,7 @@ pub fn all() -> Vec<(&'static str, &'static str, Scene)> {
         ),
         ("knots", "torus knots and spheres over a floor under three coloured lamps", knots::knots()),
         ("columns", "a colonnade in low sun: long shadows of open and closed casters", columns::columns()),
+        ("foliage", "leaf cards with holes in sun and lamplight: shadows texel by texel", foliage::foliage()),
         ("leaves", "open leaves of either winding close up under a spot", plant::leaves()),
         (
             "tentacles",

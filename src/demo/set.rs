@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use shadowgraph_engine::geometry::shapes::cuboid;
 use shadowgraph_engine::geometry::{Mesh, MeshData};
 use shadowgraph_engine::scene::{
-    Content, Image, Material, MaterialKey, MeshKey, MeshNode, NodeKey, Scene, TextureRef, placed,
+    AlphaMode, Content, Image, Material, MaterialKey, MeshKey, MeshNode, NodeKey, Scene, TextureRef, placed,
 };
 
 /// A scene under construction.
@@ -37,14 +37,41 @@ impl Set {
         roughness: f32,
         texel: impl Fn(u32, u32) -> [u8; 3],
     ) -> MaterialKey {
-        let texel = |i: u32| {
-            let [r, g, b] = texel(i % width, i / width);
+        let opaque = |x, y| {
+            let [r, g, b] = texel(x, y);
             [r, g, b, 255]
         };
-        let rgba8 = (0..width * height).flat_map(texel).collect();
-        let image = self.scene.add_image(Arc::new(Image { name: name.into(), width, height, rgba8 }));
-        let base_color_texture = Some(TextureRef::new(image));
+        let base_color_texture = self.texture(name, [width, height], opaque);
         self.scene.add_material(Material { roughness, base_color_texture, ..Material::matt(name, Vec3::ONE) })
+    }
+
+    /// A material from a generated sRGB picture with holes where alpha is below one half.
+    pub(super) fn cutout(
+        &mut self,
+        name: &str,
+        size: [u32; 2],
+        roughness: f32,
+        texel: impl Fn(u32, u32) -> [u8; 4],
+    ) -> MaterialKey {
+        let base_color_texture = self.texture(name, size, texel);
+        let alpha_mode = AlphaMode::Mask { cutoff: 0.5 };
+        self.scene.add_material(Material {
+            roughness,
+            base_color_texture,
+            alpha_mode,
+            ..Material::matt(name, Vec3::ONE)
+        })
+    }
+
+    fn texture(
+        &mut self,
+        name: &str,
+        [width, height]: [u32; 2],
+        texel: impl Fn(u32, u32) -> [u8; 4],
+    ) -> Option<TextureRef> {
+        let rgba8 = (0..width * height).flat_map(|i| texel(i % width, i / width)).collect();
+        let image = self.scene.add_image(Arc::new(Image { name: name.into(), width, height, rgba8 }));
+        Some(TextureRef::new(image))
     }
 
     /// Stores a shape that several nodes will share. Invalid data here is a mistake in a demo's own code, so it ends
