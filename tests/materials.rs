@@ -140,7 +140,9 @@ fn occlusion_dims_ambient_light_by_its_strength_and_no_other() {
         let texture = floor.texture(&[[255, 0, 0, 255], [51, 255, 255, 255]]);
         let texture = TextureRef { tex_coord: TexCoord::Second, ..texture };
         floor.material.occlusion_texture = occluded.then_some((texture, 0.5));
-        if ambient == 0.0 { floor = floor.sun(DVec3::NEG_Y) }
+        if ambient == 0.0 {
+            floor = floor.sun(DVec3::NEG_Y)
+        }
         floor.radiance(&mut renderer)
     };
     // 1 + 0.5·(0.2 − 1)

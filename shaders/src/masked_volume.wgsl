@@ -80,6 +80,11 @@ const BEFORE: f32 = 1e-3;
 struct Varyings {
     @builtin(position) clip: vec4f,
     @location(0) @interpolate(flat, first) triangle: u32,
+    // What decides most pixels, without a look into the buffers: they lie beside the line to the light.
+    @location(1) @interpolate(flat, first) bc: vec4f,
+    @location(2) @interpolate(flat, first) ca: vec4f,
+    @location(3) @interpolate(flat, first) ab: vec4f,
+    @location(4) @interpolate(flat, first) center: vec3f,
 }
 
 fn view_from_world(d: vec3f) -> vec3f {
@@ -102,7 +107,7 @@ fn pixel_side() -> f32 {
 // Where corner `v` moves so that the planes with unit normals `n` and `m`, pointing inwards, both move out by 1.
 fn mitre(n: vec3f, m: vec3f) -> vec3f {
     let sum = n + m;
-    let scale = 1.0 / max(1.0 + dot(n, m), 1e-4);
+    let scale = 1.0 / max(1.0 + dot(n, m), 1e-7);
     let far = length(sum) * scale;
     return -sum * scale * min(1.0, LONGEST_MITRE / max(far, 1.0));
 }
@@ -110,6 +115,10 @@ fn mitre(n: vec3f, m: vec3f) -> vec3f {
 // How far along `away` the end plane lies from `v`.
 fn beyond_plane(caster: MaskedCaster, v: vec3f, away: vec3f) -> f32 {
     return (caster.end_offset - dot(caster.end_normal, v)) / dot(caster.end_normal, away);
+}
+
+fn varyings(number: u32, t: MaskedTriangle, caster: MaskedCaster, clip: vec4f) -> Varyings {
+    return Varyings(clip, number, t.bc, t.ca, t.ab, caster.center);
 }
 
 // The prism: a near cap, a far cap and three sides of two triangles each, facing outwards.
@@ -148,7 +157,7 @@ fn vertex(@builtin(vertex_index) index: u32) -> Varyings {
     let away = v * caster.light.w - caster.light.xyz;
     if is_far && caster.end_kind == 0u {
         let end = away + outwards * margin * length(away);
-        return Varyings(frame.clip_from_view * vec4f(view_from_world(end), 0.0), index / 24u);
+        return varyings(index / 24u, t, caster, frame.clip_from_view * vec4f(view_from_world(end), 0.0));
     }
     var from_eye = caster.center + v;
     let before = BEFORE * select(frame.view_from_clip[1][1], length(from_eye), frame.eye_w > 0.0);
@@ -162,7 +171,7 @@ fn vertex(@builtin(vertex_index) index: u32) -> Varyings {
         // Moved outwards it may have left the plane, and risen over receivers.
         from_eye += away * beyond_plane(caster, from_eye - caster.center, away);
     }
-    return Varyings(frame.clip_from_view * vec4f(view_from_world(from_eye), 1.0), index / 24u);
+    return varyings(index / 24u, t, caster, frame.clip_from_view * vec4f(view_from_world(from_eye), 1.0));
 }
 
 // The visible point `ulps` ulps of depth nearer to the horizon, from the eye, in view space.
@@ -182,37 +191,39 @@ fn darken(in: Varyings) -> @location(0) vec4f {
     if depth == 0.0 {
         discard;
     }
-    let t = triangles[in.triangle];
-    let caster = masked.casters[t.caster];
     let p_in_view = view_from_pixel(in.clip.xy, depth);
     let p = world_from_view(p_in_view);
-    let q = p - caster.center;
+    let q = p - in.center;
     let e = vec3f(
-        dot(t.bc.xyz, q) + t.bc.w,
-        dot(t.ca.xyz, q) + t.ca.w,
-        dot(t.ab.xyz, q) + t.ab.w,
+        dot(in.bc.xyz, q) + in.bc.w,
+        dot(in.ca.xyz, q) + in.ca.w,
+        dot(in.ab.xyz, q) + in.ab.w,
     );
     let sum = e.x + e.y + e.z;
-    if min(e.x, min(e.y, e.z)) < 0.0 || sum <= 0.0 {
+    let passes = min(e.x, min(e.y, e.z)) >= 0.0 && sum > 0.0;
+    if !(passes && is_blocked(in, p, depth, e / sum)) {
         discard;
     }
+    return vec4f(0.0);
+}
+
+// Whether the triangle, whose corners have these weights where the line to the light passes it, blocks `p`.
+fn is_blocked(in: Varyings, p: vec3f, depth: f32, weights: vec3f) -> bool {
+    let t = triangles[in.triangle];
+    let caster = masked.casters[t.caster];
     // The point must lie strictly behind the triangle, wherever within the uncertainty of its depth it is: else it may
     // lie on the triangle itself.
     let corner = caster.center + t.a;
     let height = dot(t.away, p - corner);
-    let step = world_from_view(deeper(in.clip.xy, depth) - p_in_view);
+    let step = world_from_view(deeper(in.clip.xy, depth)) - p;
     let uncertain = abs(dot(t.away, step)) + ROUNDING * (length(p) + length(corner));
     if height <= uncertain {
-        discard;
+        return false;
     }
-    let weights = e / sum;
     var alpha = caster.alpha * dot(weights, vec3f(t.alpha_a, t.alpha_b, t.alpha_c));
 #if BASE_COLOR_TEXTURE
     let uv = t.uv_a * weights.x + t.uv_b * weights.y + t.uv_c * weights.z;
     alpha *= mask_alpha(base_color_image, uv, caster.reading);
 #endif
-    if alpha < caster.cutoff {
-        discard;
-    }
-    return vec4f(0.0);
+    return alpha >= caster.cutoff;
 }

@@ -22,7 +22,13 @@ fn twig(x: u32, y: u32) -> [u8; 4] {
     }
     let mut rib = false;
     for i in 0..7_u32 {
-        let side = if i == 6 { 0.0 } else if i % 2 == 0 { 1.0 } else { -1.0 };
+        let side = if i == 6 {
+            0.0
+        } else if i % 2 == 0 {
+            1.0
+        } else {
+            -1.0
+        };
         let foot = Vec2::new(0.0, -0.75 + 0.2 * i as f32);
         let along = Vec2::new(side * 0.85, 0.55).normalize_or(Vec2::Y);
         let from_foot = p - foot;
@@ -49,7 +55,8 @@ fn bough(number: u32) -> MeshData {
         let out = Vec3::new(ring * turn.cos(), height * 0.9, ring * turn.sin());
         let middle = out * (0.28 + 0.6 * noise(seed + 900).sqrt()) + Vec3::Y * 1.75;
         let size = 0.17 + 0.09 * noise(seed + 1800);
-        let up = (out + Vec3::new(noise(seed + 2700) - 0.5, 0.35, noise(seed + 3600) - 0.5)).normalize_or(Vec3::Y);
+        let up =
+            (out + Vec3::new(noise(seed + 2700) - 0.5, 0.35, noise(seed + 3600) - 0.5)).normalize_or(Vec3::Y);
         let spin = noise(seed + 4500) * TAU;
         let (right, across) = up.any_orthonormal_pair();
         let right = right * spin.cos() + across * spin.sin();
