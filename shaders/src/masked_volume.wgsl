@@ -74,7 +74,8 @@ const ROUNDING: f32 = 4e-7;
 const MARGIN_PX: f32 = 0.5;
 // Corners of slivers are moved no further than this many margins.
 const LONGEST_MITRE: f32 = 64.0;
-// By how much a prism begins before its triangle, relative to the distance from the eye.
+// How far before its triangle's plane a prism begins, relative to the distance from the eye. Measured off the plane: of
+// a triangle that the light grazes, a step towards the light leads hardly off it, and the cap's depth would decide.
 const BEFORE: f32 = 1e-3;
 
 struct Varyings {
@@ -161,7 +162,9 @@ fn vertex(@builtin(vertex_index) index: u32) -> Varyings {
     }
     var from_eye = caster.center + v;
     let before = BEFORE * select(frame.view_from_clip[1][1], length(from_eye), frame.eye_w > 0.0);
-    var stretch = -min(before / max(length(away), 1e-30), 0.5);
+    // Halfway to the light at most.
+    let furthest = select(length(from_eye), 0.5, caster.light.w > 0.0);
+    var stretch = -min(before / max(abs(dot(t.away, away)), 1e-30), furthest);
     if is_far {
         stretch = select(caster.end_scale, beyond_plane(caster, v, away), caster.end_kind == 1u);
     }
