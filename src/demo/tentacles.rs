@@ -153,8 +153,8 @@ pub(super) fn tentacles() -> Scene {
     set.scene.add_light(moon, DVec3::new(4.0, 3.6, 1.5), DVec3::ZERO);
     set.scene.add_camera(
         Camera::perspective("main", 0.62),
-        DVec3::new(2.4, 3.3, 6.4),
-        DVec3::new(0.0, 0.75, 0.0),
+        DVec3::new(1.9, 2.9, 5.1),
+        DVec3::new(0.1, 0.7, 0.0),
     );
     set.scene.add_shadow("shadows", ShadowNode::new("ShadowVolumeHard"));
     set.scene
