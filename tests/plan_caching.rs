@@ -48,7 +48,7 @@ impl Yard {
 fn keys(plan: &FramePlan) -> Vec<(String, u64)> {
     let buffers = plan.slots.iter().filter_map(|slot| match slot.kind {
         SlotKind::Buffer { revision_key, .. } => Some((slot.name.clone(), revision_key)),
-        SlotKind::Texture { .. } => None,
+        SlotKind::Texture { .. } | SlotKind::Image { .. } => None,
     });
     buffers.collect()
 }
