@@ -60,8 +60,8 @@ pub(super) fn count_in_float(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) 
 /// The smallest format that holds every integer up to `largest`.
 fn format_for(light: &LightPlan<'_>, largest: u64) -> Result<TextureFormat, ShadowError> {
     match largest {
-        0..=MAX_IN_HALF => Ok(TextureFormat::R16Float),
-        0..=MAX_IN_FLOAT => {
+        ..=MAX_IN_HALF => Ok(TextureFormat::R16Float),
+        sum if sum <= MAX_IN_FLOAT => {
             let why = format!("counter=float, and sums of up to {largest} are no integers of half floats");
             light.require(Features::FLOAT32_BLENDABLE, &why)?;
             Ok(TextureFormat::R32Float)
