@@ -182,7 +182,7 @@ fn drawn_px(posed: &Posed, plan: &FramePlan, request: &FrameRequest) -> f64 {
         * glam::DMat4::from(request.camera.world_from_view.inverse());
     let words = |slot: shadowgraph::engine::plan::SlotId| match &plan.slot(slot).kind {
         SlotKind::Buffer { contents, .. } => &contents.0[..],
-        SlotKind::Texture { .. } => &[],
+        SlotKind::Texture { .. } | SlotKind::Image { .. } => &[],
     };
     let mut area_px = 0.0;
     for draw in plan.passes_named("volumes of").flat_map(|pass| &pass.draws) {

@@ -74,7 +74,7 @@ impl Passes {
 /// Where counts are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CounterKind {
-    /// In the stencil: it was the faster for every number of layers that was measured.
+    /// In the stencil: for no number of layers that was measured were frames with float counts faster beyond noise.
     #[default]
     Auto,
     /// In the stencil, in groups where it is too small.
