@@ -104,11 +104,13 @@ pub(crate) const ROWS: &[Row] = &[
         ],
         ..exact(HARD, "cap")
     },
-    exact(HARD, "float"),
+    // Float counters have no samples: four a pixel are refused.
+    Row { except: &[("msaa", Tolerance::ExactWhereAccepted)], ..exact(HARD, "float") },
     // One darkening for all lights leaves out what is no count: masked casters.
     forced(HARD, "single", 230),
     exact(HARD, "smooth"),
-    exact("Reference", "default"),
+    // Its factors are computed for each fragment: four samples a pixel are refused.
+    Row { except: &[("msaa", Tolerance::ExactWhereAccepted)], ..exact("Reference", "default") },
 ];
 
 /// A case or step of a sweep that is known to be wrong, and why: runnable, so that whoever mends it sees it.
