@@ -98,6 +98,7 @@ pub(crate) const ROWS: &[Row] = &[
             // A flat caster's lid lies in its own plane, and rounding tells them apart on wide floors.
             ("grazing-sun", lids(0.001)),
             ("field-of-view-in-shadow", lids(0.06)),
+            ("msaa/in-shadow", lids(0.03)),
             // Cracks that a lid closes.
             ("sliver", lids(0.001)),
             ("t-junction", lids(0.001)),
