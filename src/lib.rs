@@ -39,6 +39,7 @@ pub mod prelude {
     pub use shadowgraph_engine::manager::{
         Exposure, FrameRequest, PictureFormat, RenderError, RenderOptions, Renderer,
     };
+    pub use shadowgraph_engine::plan::Antialias;
     pub use shadowgraph_engine::scene::{
         Animation, Camera, Channel, Content, Interpolation, Light, Material, MeshNode, PosedCamera, Property,
         Scene, Scope, ShadowNode, Skin, Track, Transform,

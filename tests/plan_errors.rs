@@ -189,6 +189,7 @@ fn what_the_adapter_lacks_is_named() {
         name: "Old GPU",
         features: Features::all() - features,
         max_size_px: 64,
+        ..Adapter::imagined()
     };
     let try_without = |features, request: &FrameRequest| {
         let catalog = shadowgraph_nodes::catalog();

@@ -27,7 +27,7 @@ fn lamps(count: usize) -> Scene {
 fn mask(plan: &FramePlan) -> Option<(TextureFormat, u32, u64)> {
     let slot = plan.slots.iter().find(|slot| slot.name == "light mask")?;
     match slot.kind {
-        SlotKind::Texture { format, layers, size_px } => {
+        SlotKind::Texture { format, layers, size_px, .. } => {
             assert_eq!(size_px, plan.size_px);
             Some((format, layers, slot.bytes()))
         }
@@ -235,7 +235,8 @@ fn the_visibility_array_has_a_layer_for_each_light_that_needs_one() {
     scene.add_shadow("veils", ShadowNode::new("Veil"));
     let plan = plan_with_veil(&scene).unwrap();
     let slot = plan.slots.iter().find(|slot| slot.name == "visibility").unwrap();
-    let expected = SlotKind::Texture { format: TextureFormat::R16Float, size_px: SIZE_PX, layers: 2 };
+    let expected =
+        SlotKind::Texture { format: TextureFormat::R16Float, size_px: SIZE_PX, layers: 2, samples: 1 };
     assert_eq!(slot.kind, expected);
     let targets: Vec<_> =
         plan.passes_named("veil").map(|pass| (pass.colors[0].layer, pass.colors[0].load)).collect();

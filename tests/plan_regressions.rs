@@ -59,7 +59,7 @@ fn pass_confined_to(target_px: [u32; 2], scissor_px: [u32; 4]) -> Result<(), Pla
     draw.state.depth_write = false;
     draw.state.targets = vec![None];
     draw.scissor_px = Some(scissor_px);
-    let colors = vec![ColorTarget { slot, layer: 0, load: Load::Clear([0.0; 4]) }];
+    let colors = vec![ColorTarget { slot, layer: 0, load: Load::Clear([0.0; 4]), resolve: None }];
     plan.passes.insert(
         0,
         Pass { name: "map".into(), reason: "a test".into(), colors, depth: None, draws: vec![draw] },

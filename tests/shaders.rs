@@ -9,9 +9,11 @@ const EXCLUSIVE: &[(&str, [&str; 2])] = &[("surface_factor", ["COUNTS", "VISIBIL
 
 /// What plans, and the engine's own styles, ask of each module: at least these flags and entry points must be there.
 const USED: &[(&str, &[&str], &[&str])] = &[
+    ("average_pixels", &[], &["fullscreen_vertex", "average"]),
     ("masked_volume", &["BASE_COLOR_TEXTURE"], &["vertex", "darken"]),
     ("nothing", &[], &["nothing"]),
     ("resolve_mask", &[], &["fullscreen_vertex", "mark", "darken"]),
+    ("sample_images", &["COUNTS"], &["fullscreen_vertex", "triangle", "factor"]),
     (
         "shadow_volume_hard",
         &[],
@@ -19,7 +21,7 @@ const USED: &[(&str, &[&str], &[&str])] = &[
     ),
     ("surface_depth", &[], &["vertex"]),
     ("surface_factor", &["COUNTS", "VISIBILITY", "MASKED"], &["vertex", "factor"]),
-    ("surface_measure", &["MASKED"], &["vertex", "visible_triangle"]),
+    ("surface_measure", &["HALVES", "MASKED"], &["vertex", "visible_triangle"]),
     ("surface_shade", SHADE_FLAGS, &["vertex", "opaque", "blended", "masked_depth"]),
 ];
 
@@ -31,6 +33,7 @@ const SHADE_FLAGS: &[&str] = &[
     "MASK",
     "MASKED",
     "METALLIC_ROUGHNESS_TEXTURE",
+    "MULTISAMPLED",
     "NORMAL_TEXTURE",
     "OCCLUSION_TEXTURE",
     "ONE_CHANNEL",

@@ -26,6 +26,7 @@ macro_rules! modules {
 }
 
 modules![
+    "average_pixels",
     "common/alpha_mask",
     "common/attributes",
     "common/frame",
@@ -36,6 +37,7 @@ modules![
     "masked_volume",
     "nothing",
     "resolve_mask",
+    "sample_images",
     "shadow_volume_hard",
     "surface_depth",
     "surface_factor",

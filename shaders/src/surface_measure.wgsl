@@ -34,11 +34,20 @@ fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) instance:
 }
 
 @fragment
+#if HALVES
+// For targets whose channels have 16 bits: low then high.
+fn visible_triangle(in: Varyings) -> @location(0) vec4u {
+#else
 fn visible_triangle(in: Varyings) -> @location(0) vec2u {
+#endif
 #if MASKED
     if has_hole(in.uvs, in.alpha) {
         discard;
     }
 #endif
+#if HALVES
+    return vec4u(in.instance & 0xffffu, in.instance >> 16u, in.triangle & 0xffffu, in.triangle >> 16u);
+#else
     return vec2u(in.instance, in.triangle);
+#endif
 }

@@ -17,11 +17,22 @@
 @group(2) @binding(9) var normal_sampler: sampler;
 @group(2) @binding(10) var occlusion_sampler: sampler;
 
+#if MULTISAMPLED
+#if COUNTS
+@group(1) @binding(0) var counts: texture_multisampled_2d<u32>;
+#endif
+#if MASK
+@group(1) @binding(1) var mask: texture_multisampled_2d<f32>;
+#endif
+// The visible depth of every sample.
+@group(1) @binding(3) var depths: texture_depth_multisampled_2d;
+#else
 #if COUNTS
 @group(1) @binding(0) var counts: texture_2d<u32>;
 #endif
 #if MASK
 @group(1) @binding(1) var mask: texture_2d_array<f32>;
+#endif
 #endif
 #if VISIBILITY
 @group(1) @binding(2) var visibility: texture_2d_array<f32>;
@@ -92,18 +103,68 @@ fn is_hole(in: Varyings) -> bool {
 #endif
 }
 
+#if MULTISAMPLED
+// For each of the pixel's samples, its share in this fragment's factor. Set by the entry point.
+var<private> sample_shares: vec4f;
+
+// Only the samples that show this fragment's own surface have a share: those it covers, and whose depth is the one
+// its plane has there; elsewhere something nearer is seen, with shadows of its own.
+fn shares_of_samples(clip: vec4f, covered: u32) -> vec4f {
+    // The standard places of four samples, from the pixel's middle.
+    let x = vec4f(-0.125, 0.375, -0.375, 0.125);
+    let y = vec4f(-0.375, -0.125, 0.125, 0.375);
+    let slope = vec2f(dpdx(clip.z), dpdy(clip.z));
+    let expected = clip.z + slope.x * x + slope.y * y;
+    let pixel = vec2u(clip.xy);
+    let visible = vec4f(
+        textureLoad(depths, pixel, 0), textureLoad(depths, pixel, 1),
+        textureLoad(depths, pixel, 2), textureLoad(depths, pixel, 3),
+    );
+    // Rounding of a depth and of its slopes: some hundred units in the last place. Two surfaces nearer to one another
+    // than that touch, and share their shadow.
+    let rounding = 1.5e-5 * clip.z + (abs(slope.x) + abs(slope.y)) / 64.0;
+    let own = step(abs(visible - expected), vec4f(rounding));
+    let inside = vec4f((vec4u(covered) >> vec4u(0u, 1u, 2u, 3u)) & vec4u(1u));
+    var shares = own * inside;
+    if dot(shares, vec4f(1.0)) == 0.0 {
+        shares = select(vec4f(1.0), inside, covered != 0u);
+    }
+    return shares / dot(shares, vec4f(1.0));
+}
+
+// The mean factor of samples that are dark where `dark` is not 0.
+fn mean_factor(dark: vec4u) -> vec3f {
+    return vec3f(dot(sample_shares, select(vec4f(1.0), vec4f(0.0), dark != vec4u(0u))));
+}
+#endif
+
 // What fraction of `light` reaches this pixel's surface past all casters.
 fn shadow_factor(light: Light, pixel: vec2u) -> vec3f {
 #if COUNTS
     if light.factor_kind == 1u {
+#if MULTISAMPLED
+        return mean_factor(vec4u(
+            textureLoad(counts, pixel, 0).x, textureLoad(counts, pixel, 1).x,
+            textureLoad(counts, pixel, 2).x, textureLoad(counts, pixel, 3).x,
+        ));
+#else
         return select(vec3f(1.0), vec3f(0.0), textureLoad(counts, pixel, 0).x != 0u);
+#endif
     }
 #endif
 #if MASK
     if light.factor_kind == 2u {
         let channel = (light.factor_index / 8u) % 4u;
+#if MULTISAMPLED
+        let bytes = vec4u(vec4f(
+            textureLoad(mask, pixel, 0)[channel], textureLoad(mask, pixel, 1)[channel],
+            textureLoad(mask, pixel, 2)[channel], textureLoad(mask, pixel, 3)[channel],
+        ) * 255.0 + 0.5);
+        return mean_factor((bytes >> vec4u(light.factor_index % 8u)) & vec4u(1u));
+#else
         let byte = u32(textureLoad(mask, pixel, light.factor_index / 32u, 0)[channel] * 255.0 + 0.5);
         return select(vec3f(1.0), vec3f(0.0), (byte >> (light.factor_index % 8u) & 1u) != 0u);
+#endif
     }
 #endif
 #if VISIBILITY
@@ -269,7 +330,15 @@ fn shade(in: Varyings) -> vec4f {
 }
 
 @fragment
-fn opaque(in: Varyings) -> @location(0) vec4f {
+fn opaque(
+    in: Varyings,
+#if MULTISAMPLED
+    @builtin(sample_mask) covered: u32,
+#endif
+) -> @location(0) vec4f {
+#if MULTISAMPLED
+    sample_shares = shares_of_samples(in.clip, covered);
+#endif
     return vec4f(shade(in).rgb, 1.0);
 }
 

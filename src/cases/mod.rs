@@ -20,6 +20,7 @@ mod masks;
 mod moving;
 mod planar;
 mod repairs;
+mod samples;
 mod soft;
 mod stage;
 pub mod sweeps;
@@ -27,6 +28,8 @@ mod table;
 mod topology;
 mod transforms;
 
+use shadowgraph_engine::manager::FrameRequest;
+use shadowgraph_engine::plan::Antialias;
 use shadowgraph_engine::scene::{Params, PosedCamera, Scene};
 use shadowgraph_engine::shadow::{OptionError, TechniqueEntry};
 use stage::Stage;
@@ -97,6 +100,8 @@ pub struct Case {
     pub camera: PosedCamera,
     /// The frame's size.
     pub size_px: [u32; 2],
+    /// How its edges are smoothed.
+    pub antialias: Antialias,
     /// Options that belong to the case and not to a technique's quality, a light's radius say.
     pub options: Params,
     /// What single techniques say about it, by type name; the others owe the exact answer.
@@ -116,6 +121,11 @@ impl Case {
     /// What the technique of this type name says about the case.
     pub fn answer(&self, technique: &str) -> Answer {
         self.answers.iter().find(|(name, _)| *name == technique).map_or(Answer::Exact, |(_, answer)| *answer)
+    }
+
+    /// The frame to ask for.
+    pub fn request(&self) -> FrameRequest {
+        FrameRequest { antialias: self.antialias, ..FrameRequest::new(self.camera.clone(), self.size_px) }
     }
 
     /// The scene with another technique in its shadow node: with `params`, and with those of the case's own options

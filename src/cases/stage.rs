@@ -4,6 +4,7 @@ use glam::{DAffine3, DVec3, Vec2, Vec3};
 use shadowgraph_engine::geometry::shapes::{cuboid, plane};
 use shadowgraph_engine::geometry::{Mesh, MeshData};
 use shadowgraph_engine::math::Projection;
+use shadowgraph_engine::plan::Antialias;
 use shadowgraph_engine::scene::{
     Camera, Content, Image, Light, Material, MeshNode, NodeKey, ParamValue, Params, PosedCamera, Scene,
     ShadowNode, TextureRef,
@@ -21,6 +22,7 @@ pub(super) struct Stage {
     target: DVec3,
     projection: Projection,
     size_px: [u32; 2],
+    antialias: Antialias,
     options: Params,
     receivers: Vec<NodeKey>,
     expect: Expect,
@@ -73,6 +75,7 @@ impl Stage {
             target: p(0.0, 0.5, 0.0),
             projection: Projection::Perspective { fov_y_rad: 0.8, near_m: 0.1 },
             size_px: [256, 256],
+            antialias: Antialias::None,
             options: Params::new(),
             receivers: Vec::new(),
             expect: Expect::Shadow,
@@ -198,6 +201,12 @@ impl Stage {
         self
     }
 
+    /// A frame with smoothed edges.
+    pub(super) fn antialias(mut self, antialias: Antialias) -> Self {
+        self.antialias = antialias;
+        self
+    }
+
     /// Something else than a shadow is expected.
     pub(super) fn expects(mut self, expect: Expect) -> Self {
         self.expect = expect;
@@ -265,6 +274,7 @@ impl Stage {
             scene: self.scene,
             camera: PosedCamera::looking(camera, self.eye, self.target),
             size_px: self.size_px,
+            antialias: self.antialias,
             options: self.options,
             answers,
             expect: self.expect,

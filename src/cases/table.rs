@@ -2,8 +2,8 @@
 
 use super::stage::Stage;
 use super::{
-    Answer, CaseEntry, counts, eyes, glass, lights, many, maps, masks, moving, planar, repairs, soft,
-    topology, transforms,
+    Answer, CaseEntry, counts, eyes, glass, lights, many, maps, masks, moving, planar, repairs, samples,
+    soft, topology, transforms,
 };
 
 /// Glass is the business of coloured techniques alone.
@@ -38,16 +38,6 @@ const fn row(
 /// A row about which single techniques have something to say.
 const fn answered(answers: &'static [(&'static str, Answer)], row: CaseEntry) -> CaseEntry {
     CaseEntry { answers, ..row }
-}
-
-/// A row whose scenes cannot be made yet.
-const fn wait(
-    id: &'static str,
-    what_breaks: &'static str,
-    right_answer: &'static str,
-    needs: &'static str,
-) -> CaseEntry {
-    CaseEntry { id, what_breaks, right_answer, needs, answers: &[], stages: Vec::new }
 }
 
 /// Every hard case, in the order of the documentation. Listing is cheap; scenes are made by [`CaseEntry::build`].
@@ -400,7 +390,7 @@ const ROWS: &[CaseEntry] = &[
         row("map-grazing", "bias at grazing light", "bounded by the stated bias error", maps::map_grazing),
     ),
     // Targets and sums.
-    wait("msaa", "a stencil per pixel on edges", "counts per sample", "multisampled targets"),
+    row("msaa", "a stencil per pixel on edges", "counts per sample", samples::msaa),
     row(
         "lights-1",
         "overlaps too dark, state that leaks between lights",

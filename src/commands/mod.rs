@@ -74,7 +74,10 @@ impl Failure {
     /// 2 for what can be mended on the command line, 1 for everything else.
     fn exit_code(&self) -> u8 {
         match self {
-            Self::Usage(_) | Self::Render(RenderError::Frame(FrameError::Size { .. })) => 2,
+            Self::Usage(_)
+            | Self::Render(RenderError::Frame(
+                FrameError::Size { .. } | FrameError::AntialiasedSize { .. },
+            )) => 2,
             _ => 1,
         }
     }

@@ -11,7 +11,9 @@ use shadowgraph::engine::shadow::Catalog;
 use shadowgraph::measure::json::{error_json, spread_json};
 use shadowgraph::measure::pictures::PictureError;
 use shadowgraph::measure::timing::{Spread, Timed, time_frames};
-use shadowgraph::measure::{ErrorTable, Evaluation, LightError, evaluate, measured, pictures};
+use shadowgraph::measure::{
+    ErrorTable, Evaluation, LightError, evaluate, mean_of_samples, measured, pictures,
+};
 use shadowgraph::prelude::*;
 
 use super::files::Outputs;
@@ -27,7 +29,8 @@ pub(crate) struct RenderArgs {
     /// Where the picture goes, as PNG.
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
-    /// Writes each light's linear factor at the first hit to DIR/<light>.exr, NaN where nothing is hit.
+    /// Writes each light's linear factor at the first hit to DIR/<light>.exr, NaN where nothing is hit; the mean of the
+    /// samples that hit something where edges are smoothed.
     #[arg(long, value_name = "DIR")]
     visibility: Option<PathBuf>,
     /// Compares every shadowed light with the exact reference and prints the error.
@@ -39,6 +42,12 @@ pub(crate) struct RenderArgs {
     /// Writes everything measured as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// How edges are smoothed: none, msaa4 (four samples a pixel) or ssaa4 (four pixels a pixel).
+    #[arg(long, value_name = "HOW", default_value = "none")]
+    antialias: Antialias,
+    /// The most a frame may take on the GPU, in MiB [default: 4096].
+    #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
+    gpu_budget: Option<u64>,
     /// The adapter whose name contains this.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
@@ -51,6 +60,11 @@ pub(crate) fn open(adapter: Option<&str>) -> Result<Renderer, Failure> {
 
 /// [`open`] with the techniques of `catalog`.
 pub(crate) fn open_with(adapter: Option<&str>, catalog: Catalog) -> Result<Renderer, Failure> {
+    Ok(Renderer::new(open_gpu(adapter)?, catalog))
+}
+
+/// The device of the adapter that was asked for; says which one it is.
+fn open_gpu(adapter: Option<&str>) -> Result<Gpu, Failure> {
     let choice = adapter.map_or(AdapterChoice::Auto, |name| AdapterChoice::Named(name.into()));
     let gpu = Gpu::open(&choice).or_else(|error| match error {
         // Where there is none at all, the name is not what is wrong.
@@ -62,7 +76,7 @@ pub(crate) fn open_with(adapter: Option<&str>, catalog: Catalog) -> Result<Rende
         error => RenderError::from(error).into(),
     })?;
     note!("adapter: {}", gpu.name());
-    Ok(Renderer::new(gpu, catalog))
+    Ok(gpu)
 }
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
@@ -73,8 +87,12 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     args.json.iter().try_for_each(|path| outputs.reserve(path))?;
     args.visibility.iter().try_for_each(|folder| outputs.make_folder(folder))?;
 
-    let mut renderer = open(args.adapter.as_deref())?;
-    let request = FrameRequest::new(camera, args.scene.size.0);
+    let mut gpu = open_gpu(args.adapter.as_deref())?;
+    if let Some(mib) = args.gpu_budget {
+        gpu = gpu.with_budget(mib << 20);
+    }
+    let mut renderer = Renderer::new(gpu, catalog());
+    let request = FrameRequest { antialias: args.antialias, ..FrameRequest::new(camera, args.scene.size.0) };
     let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
     let frame = renderer.render(&scene, &request, &options)?;
     let timed = match args.frames {
@@ -87,7 +105,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         // Factors take passes of their own, which are no part of what was timed.
         let request = FrameRequest { factors: true, ..request.clone() };
         let frame = renderer.render(&scene, &request, &RenderOptions::default())?;
-        stage_factors(&mut outputs, folder, &frame, request.size_px)?;
+        stage_factors(&mut outputs, folder, &frame, &request)?;
     }
     if let Some(path) = &args.json {
         let errors = evaluation.as_ref().map_or(&[][..], |e| &e.errors);
@@ -131,14 +149,18 @@ fn stage_factors(
     outputs: &mut Outputs,
     folder: &Path,
     frame: &Frame,
-    size_px: [u32; 2],
+    request: &FrameRequest,
 ) -> Result<(), Failure> {
-    let measured = measured(frame, size_px)?;
+    let FrameRequest { size_px, antialias, .. } = *request;
+    let measured = measured(frame, antialias.factor_size_px(size_px))?;
     for light in &frame.plan.lights {
         let image = measured.lights.iter().find(|(name, _)| *name == light.name);
         // A light without shadow node shines everywhere.
         let lit = || measured.ids.iter().map(|id| if id[0] == u32::MAX { f32::NAN } else { 1.0 }).collect();
-        let factor = image.map_or_else(lit, |(_, factor)| factor.clone());
+        let mut factor = image.map_or_else(lit, |(_, factor)| factor.clone());
+        if antialias != Antialias::None {
+            factor = mean_of_samples(measured.size_px, &factor);
+        }
         let path = folder.join(format!("{}.exr", light.name));
         outputs.reserve(&path)?;
         outputs.stage(&path, |temporary| {
@@ -207,7 +229,8 @@ fn report(
         .collect();
     let mut report = json!({
         "adapter": gpu.name(),
-        "size_px": frame.plan.size_px,
+        "size_px": frame.plan.picture_size_px(),
+        "antialias": frame.plan.antialias.to_string(),
         "passes": passes,
         "gpu_bytes": frame.gpu_bytes,
         "plan_bytes": frame.plan.bytes(),

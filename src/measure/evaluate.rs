@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use shadowgraph_engine::gpu::Timing;
 use shadowgraph_engine::manager::{Frame, FrameRequest, RenderError, RenderOptions, Renderer};
+use shadowgraph_engine::plan::Antialias;
 use shadowgraph_engine::scene::{Posed, Scene};
 use shadowgraph_engine::shadow::Registry;
 use thiserror::Error;
@@ -43,6 +44,7 @@ pub fn queries(registry: &Registry) -> Vec<LightQuery> {
 
 /// What a frame with factors measured, in the reference's terms: NaN where nothing is hit, red, green and blue apart
 /// where a technique left them so.
+/// `size_px` is the size of the factor images: see [`Antialias::factor_size_px`].
 ///
 /// # Errors
 /// When the frame's factors cannot be read as floats.
@@ -63,11 +65,29 @@ pub fn measured(frame: &Frame, size_px: [u32; 2]) -> Result<Measured, RenderErro
     Ok(Measured { size_px, ids, lights })
 }
 
+/// The mean of every pixel's four samples, of a frame that was antialiased: those that show a surface, NaN where none
+/// does. `values` are those of [`Measured`] or [`super::LightReference`], as large as `size_px`.
+pub fn mean_of_samples(size_px: [u32; 2], values: &[f32]) -> Vec<f32> {
+    let [width, height] = size_px.map(|n| n as usize);
+    let channels = (values.len() / (width * height).max(1)).max(1);
+    let mean = |x: usize, y: usize, channel: usize| {
+        let samples = [(0, 0), (1, 0), (0, 1), (1, 1)]
+            .map(|(dx, dy)| values[((y * 2 + dy) * width + x * 2 + dx) * channels + channel]);
+        let seen: Vec<f32> = samples.into_iter().filter(|value| !value.is_nan()).collect();
+        if seen.is_empty() { f32::NAN } else { seen.iter().sum::<f32>() / seen.len() as f32 }
+    };
+    let pixels = (0..height / 2).flat_map(|y| (0..width / 2).map(move |x| (x, y)));
+    pixels.flat_map(|(x, y)| (0..channels).map(move |channel| mean(x, y, channel))).collect()
+}
+
+/// What a reference answers.
+type Asked = (Antialias, Vec<LightQuery>);
+
 /// References of one scene seen by one camera, so that several techniques and settings are judged by the same picture,
 /// traced once for each choice of lights and casters.
 #[derive(Clone, Debug, Default)]
 pub struct KnownReferences {
-    known: Vec<(Vec<LightQuery>, Arc<ReferenceImage>)>,
+    known: Vec<(Asked, Arc<ReferenceImage>)>,
 }
 
 impl KnownReferences {
@@ -79,12 +99,14 @@ impl KnownReferences {
         queries: Vec<LightQuery>,
         progress: &Progress<'_>,
     ) -> Arc<ReferenceImage> {
-        if let Some((_, image)) = self.known.iter().find(|(known, _)| *known == queries) {
+        let asked = (request.antialias, queries);
+        if let Some((_, image)) = self.known.iter().find(|(known, _)| *known == asked) {
             return Arc::clone(image);
         }
-        let image = Reference::new(posed).render(&request.camera, request.size_px, &queries, progress);
-        let image = Arc::new(image);
-        self.known.push((queries, Arc::clone(&image)));
+        let FrameRequest { camera, size_px, antialias, .. } = request;
+        let reference = Reference::new(posed);
+        let image = Arc::new(reference.render_samples(camera, *size_px, *antialias, &asked.1, progress));
+        self.known.push((asked, Arc::clone(&image)));
         image
     }
 }
@@ -123,7 +145,7 @@ pub fn evaluate_again(
         return Err(EvaluateError::NothingToCompare);
     }
     let reference = references.answer(&posed, &request, queries, progress);
-    let measured = measured(&frame, request.size_px)?;
+    let measured = measured(&frame, request.antialias.factor_size_px(request.size_px))?;
     let errors = compare(&measured, &reference)?;
     Ok(Evaluation { frame, measured, reference, errors })
 }

@@ -22,7 +22,9 @@ mod technique;
 pub mod timing;
 
 pub use area::{LightSize, PILOT_SAMPLES, disc_samples};
-pub use evaluate::{EvaluateError, Evaluation, KnownReferences, evaluate, evaluate_again, measured, queries};
+pub use evaluate::{
+    EvaluateError, Evaluation, KnownReferences, evaluate, evaluate_again, mean_of_samples, measured, queries,
+};
 pub use metrics::{
     BAND_FLOOR_PIXELS, BAND_PIXELS_PER_BOUNDARY_PIXEL, CompareError, ErrorTable, HALF_FLOAT_LOSS, LightError,
     MAX_DIFFERENT_SHARE, Measured, compare, expect_shadow,

@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::{DVec3, DVec4};
 use rayon::prelude::*;
 use shadowgraph_engine::math::Projection;
+use shadowgraph_engine::plan::Antialias;
 use shadowgraph_engine::scene::PosedCamera;
 
 use super::reference::{CasterSet, Hit, Probe, Reference, Tracer};
@@ -81,7 +82,21 @@ impl Reference {
         lights: &[LightQuery],
         progress: &Progress<'_>,
     ) -> ReferenceImage {
-        let view = View::new(camera, size_px);
+        self.render_samples(camera, size_px, Antialias::None, lights, progress)
+    }
+
+    /// The reference through every sample of a picture that is antialiased so: a texel for each sample, as factor
+    /// images have them.
+    pub fn render_samples(
+        &self,
+        camera: &PosedCamera,
+        size_px: [u32; 2],
+        antialias: Antialias,
+        lights: &[LightQuery],
+        progress: &Progress<'_>,
+    ) -> ReferenceImage {
+        let view = View::new(camera, antialias.drawn_size_px(size_px));
+        let size_px = antialias.factor_size_px(size_px);
         let queries = self.resolve(lights);
         let rows = for_rows(size_px, progress, |y| {
             let mut tracers: Vec<_> = queries.iter().map(|_| self.tracer()).collect();
@@ -89,7 +104,7 @@ impl Reference {
             let mut hits = Vec::with_capacity(size_px[0] as usize);
             let mut judged = vec![Vec::with_capacity(size_px[0] as usize); queries.len()];
             for x in 0..size_px[0] {
-                let pixel = [f64::from(x) + 0.5, f64::from(y) + 0.5];
+                let pixel = antialias.sample_place_px([x, y]);
                 let seen = view.first_hit(&mut first, pixel);
                 hits.push(seen.map(|(hit, _)| hit));
                 let moved = seen.and_then(|(hit, t)| Moved::new(self, &view, pixel, hit, t));

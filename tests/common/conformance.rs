@@ -65,7 +65,7 @@ fn try_one(
             return trial;
         }
     };
-    let request = FrameRequest::new(case.camera.clone(), case.size_px);
+    let request = case.request();
     let result = evaluate_again(renderer, &scene, &request, references, &|_, _| {});
     trial.accepted = result.is_ok();
     trial.complaint = complaint(case, &result, row).map(|complaint| match setting.name {

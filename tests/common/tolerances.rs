@@ -98,17 +98,20 @@ pub(crate) const ROWS: &[Row] = &[
             // A flat caster's lid lies in its own plane, and rounding tells them apart on wide floors.
             ("grazing-sun", lids(0.001)),
             ("field-of-view-in-shadow", lids(0.06)),
+            ("msaa/in-shadow", lids(0.03)),
             // Cracks that a lid closes.
             ("sliver", lids(0.001)),
             ("t-junction", lids(0.001)),
         ],
         ..exact(HARD, "cap")
     },
-    exact(HARD, "float"),
+    // Float counters have no samples: four a pixel are refused.
+    Row { except: &[("msaa", Tolerance::ExactWhereAccepted)], ..exact(HARD, "float") },
     // One darkening for all lights leaves out what is no count: masked casters.
     forced(HARD, "single", 230),
     exact(HARD, "smooth"),
-    exact("Reference", "default"),
+    // Its factors are computed for each fragment: four samples a pixel are refused.
+    Row { except: &[("msaa", Tolerance::ExactWhereAccepted)], ..exact("Reference", "default") },
 ];
 
 /// A case or step of a sweep that is known to be wrong, and why: runnable, so that whoever mends it sees it.

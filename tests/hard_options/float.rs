@@ -32,7 +32,7 @@ fn any_number_of_layers_is_counted_exactly() {
     let mut judged = 0;
     for case in stacks.filter(|case| case.id.starts_with("overlap") || case.id == "nested-shells") {
         for depth_test in [DepthTest::Auto, DepthTest::ZFail] {
-            let request = FrameRequest::new(case.camera.clone(), case.size_px);
+            let request = case.request();
             let forwards = with_float(&case.scene, depth_test);
             // Last casters first: sums take another way to the same end.
             let mut backwards = forwards.clone();

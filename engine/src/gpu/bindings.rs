@@ -10,7 +10,7 @@ use super::Gpu;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum BindKind {
     Storage,
-    Texture { sample: SampleKind, array: bool },
+    Texture { sample: SampleKind, array: bool, multisampled: bool },
 }
 
 /// How a texture's texels are seen by a shader.
@@ -24,7 +24,11 @@ pub(crate) enum SampleKind {
 impl SampleKind {
     /// What shaders see of `format`'s colour or depth aspect.
     pub(crate) fn of(format: TextureFormat) -> Self {
-        if format.is_depth_stencil_format() { Self::Depth } else { Self::Float }
+        match format.sample_type(None, None) {
+            _ if format.is_depth_stencil_format() => Self::Depth,
+            Some(wgpu::TextureSampleType::Uint) => Self::Uint,
+            _ => Self::Float,
+        }
     }
 }
 
@@ -50,7 +54,7 @@ impl Layouts {
                         has_dynamic_offset: false,
                         min_binding_size: None,
                     },
-                    BindKind::Texture { sample, array } => wgpu::BindingType::Texture {
+                    BindKind::Texture { sample, array, multisampled } => wgpu::BindingType::Texture {
                         sample_type: match sample {
                             SampleKind::Float => wgpu::TextureSampleType::Float { filterable: false },
                             SampleKind::Depth => wgpu::TextureSampleType::Depth,
@@ -61,7 +65,7 @@ impl Layouts {
                         } else {
                             wgpu::TextureViewDimension::D2
                         },
-                        multisampled: false,
+                        multisampled: *multisampled,
                     },
                 },
                 count: None,

@@ -28,8 +28,32 @@ pub enum GpuError {
     NoDevice { adapter: String, reason: String },
     #[error("adapter '{adapter}' reported: {message}")]
     Device { adapter: String, message: String },
-    #[error("mesh '{mesh}' needs a buffer of {bytes} bytes, adapter '{adapter}' allows {limit}")]
-    BufferTooLarge { mesh: String, bytes: u64, adapter: String, limit: u64 },
+    #[error("adapter '{adapter}' lost its device: {reason}; {remedy}")]
+    Lost { adapter: String, reason: String, remedy: String },
+    #[error("adapter '{adapter}' is out of memory: {message}")]
+    OutOfMemory { adapter: String, message: String },
+    #[error("shader '{shader}' is not valid: {message}")]
+    Shader { shader: String, message: String },
+    #[error("shader '{shader}' makes no pipeline on adapter '{adapter}': {message}")]
+    Pipeline { shader: String, adapter: String, message: String },
+    #[error("{what} needs a buffer of {bytes} bytes, adapter '{adapter}' allows {limit} for its use")]
+    BufferTooLarge { what: String, bytes: u64, adapter: String, limit: u64 },
+    #[error(
+        "{what} is a texture of {width}x{height} with {layers} layers, adapter '{adapter}' allows {limit}x{limit} with {limit_layers}"
+    )]
+    TextureTooLarge {
+        what: String,
+        width: u32,
+        height: u32,
+        layers: u32,
+        adapter: String,
+        limit: u32,
+        limit_layers: u32,
+    },
+    #[error(
+        "the frame needs {bytes} bytes of GPU memory, of which {largest} takes {largest_bytes}; the budget is {budget}"
+    )]
+    Budget { bytes: u64, largest: String, largest_bytes: u64, budget: u64 },
     #[error("image '{image}' is {width}x{height}, adapter '{adapter}' allows {limit}")]
     ImageTooLarge { image: String, width: u32, height: u32, adapter: String, limit: u32 },
     #[error("the scene has {count} lights, a frame can have {limit}")]
@@ -51,7 +75,28 @@ pub struct Gpu {
     pub features: wgpu::Features,
     /// The limits the device was opened with.
     pub limits: wgpu::Limits,
-    errors: Arc<Mutex<Vec<String>>>,
+    /// The formats in which it has targets of four samples.
+    pub multisampled: Arc<[wgpu::TextureFormat]>,
+    /// The most bytes a frame may have on the GPU; more is refused before anything is allocated.
+    pub budget_bytes: u64,
+    errors: Arc<Mutex<Vec<wgpu::Error>>>,
+    lost: Arc<Mutex<Option<String>>>,
+    reopen: Option<Reopen>,
+}
+
+/// The budget of a device nobody set another for: most adapters that run today have as much.
+pub const DEFAULT_BUDGET_BYTES: u64 = 4 << 30;
+
+/// Where another device comes from when one is lost.
+type OpenDevice = dyn Fn() -> Result<(wgpu::Device, wgpu::Queue), GpuError> + Send + Sync;
+
+#[derive(Clone)]
+struct Reopen(Arc<OpenDevice>);
+
+impl std::fmt::Debug for Reopen {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Reopen")
+    }
 }
 
 /// Features that are used where the adapter has them.
@@ -87,53 +132,55 @@ fn describe(info: &wgpu::AdapterInfo) -> String {
     format!("{} ({:?}, {})", info.name, info.backend, driver.trim())
 }
 
+fn open_device(choice: &AdapterChoice) -> Result<(wgpu::Device, wgpu::Queue), GpuError> {
+    let adapters = adapters();
+    let names: Vec<String> = adapters.iter().map(|adapter| describe(&adapter.get_info())).collect();
+    let chosen = match choice {
+        AdapterChoice::Auto => 0,
+        AdapterChoice::Named(wanted) => {
+            let wanted_lower = wanted.to_lowercase();
+            let found = names.iter().position(|name| name.to_lowercase().contains(&wanted_lower));
+            found.ok_or_else(|| GpuError::NoSuchAdapter {
+                wanted: wanted.clone(),
+                available: if names.is_empty() { "none".into() } else { names.join("; ") },
+            })?
+        }
+    };
+    let adapter = adapters.into_iter().nth(chosen).ok_or_else(|| GpuError::NoAdapter {
+        hint: "install a Vulkan driver (Debian, Ubuntu: mesa-vulkan-drivers; Fedora: mesa-vulkan-drivers; \
+               Arch: vulkan-swrast)"
+            .into(),
+    })?;
+    let info = adapter.get_info();
+    let no_device = |reason: String| GpuError::NoDevice { adapter: describe(&info), reason };
+    let features = adapter.features() & WANTED;
+    if !features.contains(wgpu::Features::DEPTH32FLOAT_STENCIL8) {
+        return Err(no_device("it lacks DEPTH32FLOAT_STENCIL8, the depth format of shadow volumes".into()));
+    }
+    let limits = adapter.limits();
+    pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+        label: Some("shadowgraph"),
+        required_features: features,
+        required_limits: limits.clone(),
+        ..Default::default()
+    }))
+    .map_err(|error| no_device(error.to_string()))
+}
+
 impl Gpu {
     /// One line for each adapter, best first.
     pub fn list() -> Vec<String> {
         adapters().iter().map(|adapter| describe(&adapter.get_info())).collect()
     }
 
-    /// Opens a device without any window.
+    /// Opens a device without any window. When it is lost, another is opened by the same choice.
     ///
     /// # Errors
     /// [`GpuError`] names what was asked for and what there is.
     pub fn open(choice: &AdapterChoice) -> Result<Self, GpuError> {
-        let adapters = adapters();
-        let names: Vec<String> = adapters.iter().map(|adapter| describe(&adapter.get_info())).collect();
-        let chosen = match choice {
-            AdapterChoice::Auto => 0,
-            AdapterChoice::Named(wanted) => {
-                let wanted_lower = wanted.to_lowercase();
-                let found = names.iter().position(|name| name.to_lowercase().contains(&wanted_lower));
-                found.ok_or_else(|| GpuError::NoSuchAdapter {
-                    wanted: wanted.clone(),
-                    available: if names.is_empty() { "none".into() } else { names.join("; ") },
-                })?
-            }
-        };
-        let adapter = adapters.into_iter().nth(chosen).ok_or_else(|| GpuError::NoAdapter {
-            hint:
-                "install a Vulkan driver (Debian, Ubuntu: mesa-vulkan-drivers; Fedora: mesa-vulkan-drivers; \
-                   Arch: vulkan-swrast)"
-                    .into(),
-        })?;
-        let info = adapter.get_info();
-        let no_device = |reason: String| GpuError::NoDevice { adapter: describe(&info), reason };
-        let features = adapter.features() & WANTED;
-        if !features.contains(wgpu::Features::DEPTH32FLOAT_STENCIL8) {
-            return Err(no_device(
-                "it lacks DEPTH32FLOAT_STENCIL8, the depth format of shadow volumes".into(),
-            ));
-        }
-        let limits = adapter.limits();
-        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-            label: Some("shadowgraph"),
-            required_features: features,
-            required_limits: limits.clone(),
-            ..Default::default()
-        }))
-        .map_err(|error| no_device(error.to_string()))?;
-        Ok(Self::from_device(device, queue))
+        let (device, queue) = open_device(choice)?;
+        let choice = choice.clone();
+        Ok(Self::from_device(device, queue).reopened_by(move || open_device(&choice)))
     }
 
     /// Uses a device that somebody else opened. Its uncaptured errors are handled here from now on.
@@ -142,16 +189,63 @@ impl Gpu {
         let sink = Arc::clone(&errors);
         // The default handler panics; ours keeps the message until the frame asks for it.
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            sink.lock().unwrap_or_else(PoisonError::into_inner).push(error.to_string());
+            sink.lock().unwrap_or_else(PoisonError::into_inner).push(error);
         }));
-        let sink = Arc::clone(&errors);
+        let lost = Arc::new(Mutex::new(None));
+        let sink = Arc::clone(&lost);
         device.set_device_lost_callback(move |reason, message| {
-            sink.lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .push(format!("device lost ({reason:?}): {message}"));
+            let reason = format!("{reason:?} {message}").trim().to_owned();
+            sink.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(reason);
         });
         let (info, features, limits) = (device.adapter_info(), device.features(), device.limits());
-        Self { device, queue, info, features, limits, errors }
+        Self {
+            device,
+            queue,
+            info,
+            features,
+            limits,
+            multisampled: multisampled_formats(features).into(),
+            budget_bytes: DEFAULT_BUDGET_BYTES,
+            errors,
+            lost,
+            reopen: None,
+        }
+    }
+
+    /// This device, and where another comes from when it is lost.
+    #[must_use]
+    pub fn reopened_by(
+        self,
+        open: impl Fn() -> Result<(wgpu::Device, wgpu::Queue), GpuError> + Send + Sync + 'static,
+    ) -> Self {
+        Self { reopen: Some(Reopen(Arc::new(open))), ..self }
+    }
+
+    /// This device with another budget.
+    #[must_use]
+    pub fn with_budget(self, budget_bytes: u64) -> Self {
+        Self { budget_bytes, ..self }
+    }
+
+    /// Another device in place of this one, which was lost.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`] where nobody said where another comes from; whatever opening it reports.
+    pub fn reopened(&self) -> Result<Self, GpuError> {
+        let Some(reopen) = &self.reopen else {
+            let reason = self.lost_reason().unwrap_or_else(|| "unknown".into());
+            let remedy = "no other can be opened in its place: it was opened elsewhere, and Gpu::reopened_by was \
+                          not told how";
+            return Err(GpuError::Lost { adapter: self.name(), reason, remedy: remedy.into() });
+        };
+        let (device, queue) = (reopen.0)()?;
+        let gpu = Self::from_device(device, queue).with_budget(self.budget_bytes);
+        Ok(Self { reopen: self.reopen.clone(), ..gpu })
+    }
+
+    /// Why the device was lost, if it was.
+    pub fn lost_reason(&self) -> Option<String> {
+        self.lost.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// The adapter in one line: name, backend, driver.
@@ -167,24 +261,66 @@ impl Gpu {
     /// The first error since the last call, if any.
     ///
     /// # Errors
-    /// [`GpuError::Device`] with the device's own message.
+    /// [`GpuError::Lost`] for good once the device is; [`GpuError::OutOfMemory`] and [`GpuError::Device`] with the
+    /// device's own message.
     pub fn check(&self) -> Result<(), GpuError> {
+        // Losses are told while the device is polled.
+        let polled = self.device.poll(wgpu::PollType::Poll);
         let mut errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner);
-        match errors.drain(..).next() {
-            None => Ok(()),
-            Some(message) => Err(GpuError::Device { adapter: self.name(), message }),
+        let first = errors.drain(..).next();
+        if let Some(reason) = self.lost_reason() {
+            let remedy = "everything on it is gone".into();
+            return Err(GpuError::Lost { adapter: self.name(), reason, remedy });
+        }
+        match (first, polled) {
+            (Some(error), _) => Err(self.error(&error)),
+            (None, Err(error)) => Err(GpuError::Device { adapter: self.name(), message: error.to_string() }),
+            (None, Ok(_)) => Ok(()),
         }
     }
 
     /// Waits until everything submitted is done.
     ///
     /// # Errors
-    /// [`GpuError::Device`] when the device was lost or has failed.
+    /// As [`Gpu::check`].
     pub fn wait(&self) -> Result<(), GpuError> {
-        self.device
-            .poll(wgpu::PollType::wait_indefinitely())
-            .map_err(|error| GpuError::Device { adapter: self.name(), message: error.to_string() })?;
-        self.check()
+        let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
+        self.check()?;
+        let failed =
+            |error: wgpu::PollError| GpuError::Device { adapter: self.name(), message: error.to_string() };
+        polled.map(|_| ()).map_err(failed)
+    }
+
+    fn error(&self, error: &wgpu::Error) -> GpuError {
+        let (adapter, message) = (self.name(), error.to_string());
+        match error {
+            wgpu::Error::OutOfMemory { .. } => GpuError::OutOfMemory { adapter, message },
+            _ => GpuError::Device { adapter, message },
+        }
+    }
+
+    /// What `work` returns, and the first error of any kind that the device reports meanwhile.
+    pub(crate) fn scoped<T>(&self, work: impl FnOnce() -> T) -> (T, Option<wgpu::Error>) {
+        use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
+        let [outer, middle, inner] =
+            [OutOfMemory, Internal, Validation].map(|filter| self.device.push_error_scope(filter));
+        let result = work();
+        let errors = [inner, middle, outer].map(|scope| pollster::block_on(scope.pop()));
+        (result, errors.into_iter().flatten().next())
+    }
+
+    /// What `work` returns, if the device has nothing to say against it.
+    ///
+    /// # Errors
+    /// A lost device first, then what the device reported, then what `work` itself did.
+    pub(crate) fn checked<T>(&self, work: impl FnOnce() -> Result<T, GpuError>) -> Result<T, GpuError> {
+        let (result, reported) = self.scoped(work);
+        self.check()?;
+        match reported {
+            // What work found has the names in it.
+            Some(error) if result.is_ok() => Err(self.error(&error)),
+            _ => result,
+        }
     }
 
     /// A buffer with `contents`, padded to a whole number of words; never empty.
@@ -205,4 +341,13 @@ impl Gpu {
         }
         buffer
     }
+}
+
+/// The formats in which a device with `features` has targets of four samples.
+fn multisampled_formats(features: wgpu::Features) -> Vec<wgpu::TextureFormat> {
+    let has_samples = |format: &wgpu::TextureFormat| {
+        let flags = format.guaranteed_format_features(features).flags;
+        flags.contains(wgpu::TextureFormatFeatureFlags::MULTISAMPLE_X4)
+    };
+    crate::plan::MULTISAMPLED_EVERYWHERE.iter().copied().filter(has_samples).collect()
 }

@@ -17,6 +17,7 @@ use crate::scene::{Posed, PosedCamera};
 use crate::shadow::MAX_SMOOTH_LIGHTS;
 
 mod attachments;
+pub(super) mod budget;
 mod encode;
 
 /// What is timed.
@@ -87,8 +88,8 @@ pub struct Executor {
     frame: u64,
 }
 
-/// Textures of equal name and shape are the same texture from frame to frame.
-type TextureKey = (String, TextureFormat, [u32; 2], u32);
+/// Textures of equal name, format, size, layers and samples are the same texture from frame to frame.
+type TextureKey = (String, TextureFormat, [u32; 2], u32, u32);
 
 #[derive(Debug)]
 struct Kept<T> {
@@ -151,15 +152,33 @@ impl Executor {
     /// Executes `plan` and waits for it.
     ///
     /// # Errors
-    /// What the device reports, with the adapter's name.
+    /// What exceeds a limit or the budget, before anything is allocated; what is wrong with a shader; what the device
+    /// reports, with the adapter's name. An executor whose device was lost is of no use any more.
     pub fn execute(&mut self, plan: &FramePlan, inputs: &FrameInputs<'_>) -> Result<Executed, GpuError> {
         let (count, limit) = (inputs.posed.lights.len(), MAX_LIGHTS);
         if count > limit {
             return Err(GpuError::TooManyLights { count, limit });
         }
+        self.gpu.check()?;
         self.begin_frame();
-        self.upload_scene(plan, inputs)?;
-        let slots = self.slots(plan, inputs.posed)?;
+        self.make_room(plan, inputs)?;
+        let gpu = self.gpu.clone();
+        let executed = gpu.checked(|| self.execute_within_budget(plan, inputs));
+        if executed.is_err() {
+            // What was allocated for a frame that failed may be invalid.
+            self.textures.clear();
+            self.buffers.clear();
+        }
+        executed
+    }
+
+    fn execute_within_budget(
+        &mut self,
+        plan: &FramePlan,
+        inputs: &FrameInputs<'_>,
+    ) -> Result<Executed, GpuError> {
+        self.upload_scene(plan, inputs);
+        let slots = self.slots(plan, inputs.posed);
         let frame_group = self.frame_group(plan, inputs);
         let groups = group_passes(plan, inputs.timing != Timing::Passes);
         let queries = self.queries(inputs.timing, groups.len());
@@ -172,7 +191,7 @@ impl Executor {
                 beginning_of_pass_write_index: Some(index as u32 * 2),
                 end_of_pass_write_index: Some(index as u32 * 2 + 1),
             });
-            self.encode_group(&scene, group, stamps, &mut encoder);
+            self.encode_group(&scene, group, stamps, &mut encoder)?;
         }
         if let Some((set, resolved)) = &queries {
             let count = groups.len() as u32 * 2;
@@ -229,40 +248,40 @@ impl Executor {
         self.frame += 1;
         self.meshes.begin_frame();
         self.materials.begin_frame();
+        self.pipelines.begin_frame();
         let oldest = self.frame.saturating_sub(KEPT_FRAMES);
         self.textures.retain(|_, kept| kept.last_used_frame >= oldest);
         self.buffers.retain(|_, kept| kept.last_used_frame >= oldest);
     }
 
     /// Uploads the meshes and materials that the plan's draws name.
-    fn upload_scene(&mut self, plan: &FramePlan, inputs: &FrameInputs<'_>) -> Result<(), GpuError> {
+    fn upload_scene(&mut self, plan: &FramePlan, inputs: &FrameInputs<'_>) {
         for draw in plan.passes.iter().flat_map(|pass| &pass.draws) {
             match &draw.geometry {
                 Geometry::Surfaces { parts, .. } => {
                     for (instance, part) in parts {
                         let instance = &inputs.posed.instances[*instance as usize];
-                        self.meshes.upload(&self.gpu, &instance.mesh)?;
+                        self.meshes.upload(&self.gpu, &instance.mesh);
                         let material = &instance.materials[*part as usize];
-                        self.materials.upload(&self.gpu, material, &inputs.posed.images)?;
+                        self.materials.upload(&self.gpu, material, &inputs.posed.images);
                     }
                 }
                 Geometry::Indexed { instance, .. } => {
-                    self.meshes.upload(&self.gpu, &inputs.posed.instances[*instance as usize].mesh)?;
+                    self.meshes.upload(&self.gpu, &inputs.posed.instances[*instance as usize].mesh);
                 }
                 Geometry::Procedural { .. } => {}
             }
         }
-        Ok(())
     }
 
     /// Textures and buffers of the plan: last frame's where they are the same.
-    fn slots(&mut self, plan: &FramePlan, posed: &Posed) -> Result<Vec<GpuSlot>, GpuError> {
+    fn slots(&mut self, plan: &FramePlan, posed: &Posed) -> Vec<GpuSlot> {
         let frame = self.frame;
         let mut slots = Vec::with_capacity(plan.slots.len());
         for slot in &plan.slots {
             slots.push(match &slot.kind {
-                SlotKind::Texture { format, size_px, layers } => {
-                    let key = (slot.name.clone(), *format, *size_px, *layers);
+                SlotKind::Texture { format, size_px, layers, samples } => {
+                    let key = (slot.name.clone(), *format, *size_px, *layers, *samples);
                     let kept = self.textures.entry(key).or_insert_with(|| Kept {
                         value: self.gpu.device.create_texture(&wgpu::TextureDescriptor {
                             label: Some(&slot.name),
@@ -272,7 +291,7 @@ impl Executor {
                                 depth_or_array_layers: *layers,
                             },
                             mip_level_count: 1,
-                            sample_count: 1,
+                            sample_count: *samples,
                             dimension: wgpu::TextureDimension::D2,
                             format: *format,
                             usage: wgpu::TextureUsages::RENDER_ATTACHMENT
@@ -298,11 +317,11 @@ impl Executor {
                     GpuSlot::Buffer(kept.value.clone())
                 }
                 SlotKind::Image { image } => {
-                    GpuSlot::Texture(self.materials.base_color_image(&self.gpu, posed.images.get(image))?)
+                    GpuSlot::Texture(self.materials.base_color_image(&self.gpu, posed.images.get(image)))
                 }
             });
         }
-        Ok(slots)
+        slots
     }
 
     /// Group 0: the frame, the instances and the lights as this camera sees them.

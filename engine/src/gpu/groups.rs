@@ -26,8 +26,12 @@ pub(crate) fn group_passes(plan: &FramePlan, merge: bool) -> Vec<PassGroup> {
         match groups.last_mut() {
             Some(group) if merge && can_join(plan, group, pass) => {
                 for color in &pass.colors {
-                    if place_of(&group.colors, color).is_none() {
-                        group.colors.push(color.clone());
+                    match place_of(&group.colors, color) {
+                        Some(place) => {
+                            let kept = &mut group.colors[place];
+                            kept.resolve = color.resolve.or(kept.resolve);
+                        }
+                        None => group.colors.push(color.clone()),
                     }
                 }
                 if let (Some(depth), Some(more)) = (&mut group.depth, &pass.depth) {
@@ -79,7 +83,8 @@ fn can_join(plan: &FramePlan, group: &PassGroup, pass: &Pass) -> bool {
     };
     let attachments = |colors: &[ColorTarget], depth: &DepthTarget| -> HashSet<SlotId> {
         let written = depth.depth != Access::ReadOnly || depth.stencil.is_some_and(|s| s != Access::ReadOnly);
-        colors.iter().map(|c| c.slot).chain(written.then_some(depth.slot)).collect()
+        let resolved = colors.iter().filter_map(|c| c.resolve);
+        colors.iter().map(|c| c.slot).chain(resolved).chain(written.then_some(depth.slot)).collect()
     };
     let before = reads(&plan.passes[group.passes.clone()]);
     let here = reads(std::slice::from_ref(pass));

@@ -46,7 +46,7 @@ fn textures(material: &Material) -> [(Option<TextureRef>, bool); 5] {
 /// What a surface has, as bits: the shader is composed with the flags of [`FEATURE_FLAGS`] whose bits are set.
 pub(crate) fn features(material: &Material, mesh: &Mesh, lights: usize) -> u32 {
     let mut bits = u32::from(material.unlit);
-    bits |= u32::from(material.cutoff().is_some()) << 1;
+    bits |= u32::from(material.cutoff().is_some()) << MASKED;
     for (index, (texture, _)) in textures(material).iter().enumerate() {
         bits |= u32::from(texture.is_some()) << (index + 2);
     }
@@ -61,6 +61,9 @@ fn second_uvs(material: &Material) -> u32 {
     let on_second = |texture: &Option<TextureRef>| texture.is_some_and(|t| t.tex_coord == TexCoord::Second);
     textures(material).iter().enumerate().map(|(i, (texture, _))| u32::from(on_second(texture)) << i).sum()
 }
+
+/// The bit of [`features`] for holes.
+pub(crate) const MASKED: u32 = 1;
 
 /// The shader flags of the bits of [`features`].
 pub(crate) const FEATURE_FLAGS: [&str; 11] = [
@@ -183,18 +186,18 @@ impl Materials {
         gpu: &Gpu,
         material: &Arc<Material>,
         images: &HashMap<ImageKey, Arc<Image>>,
-    ) -> Result<(), GpuError> {
+    ) {
         let address = Arc::as_ptr(material) as usize;
         if let Some(bound) = self.bound.get_mut(&address) {
             bound.last_used_frame = self.frame;
-            return Ok(());
+            return;
         }
         let textures = textures(material);
         let mut views = Vec::new();
         for (texture, srgb) in textures {
             let texture = match texture.and_then(|texture| images.get(&texture.image)) {
                 None => self.white.clone(),
-                Some(image) => self.texture(gpu, image, srgb)?,
+                Some(image) => self.texture(gpu, image, srgb),
             };
             views.push(texture.create_view(&wgpu::TextureViewDescriptor::default()));
         }
@@ -217,7 +220,6 @@ impl Materials {
         });
         let bound = Bound { material: Arc::clone(material), group, last_used_frame: self.frame };
         self.bound.insert(address, bound);
-        Ok(())
     }
 
     /// The bind group of a material that [`Materials::upload`] was called for in this frame.
@@ -229,11 +231,20 @@ impl Materials {
 
     /// Bytes of all textures.
     pub(crate) fn bytes(&self) -> u64 {
-        let texture_bytes = |t: &wgpu::Texture| u64::from(t.width()) * u64::from(t.height()) * 16 / 3;
-        self.textures.values().map(|(_, texture)| texture_bytes(texture)).sum()
+        self.textures.values().map(|(image, _)| image_bytes(image)).sum()
     }
 
-    fn texture(&mut self, gpu: &Gpu, image: &Arc<Image>, srgb: bool) -> Result<wgpu::Texture, GpuError> {
+    /// The images of a material, and whether their colours are sRGB.
+    pub(crate) fn images(
+        material: &Material,
+        images: &HashMap<ImageKey, Arc<Image>>,
+    ) -> Vec<(Arc<Image>, bool)> {
+        let used = textures(material).into_iter();
+        used.filter_map(|(texture, srgb)| Some((Arc::clone(images.get(&texture?.image)?), srgb))).collect()
+    }
+
+    /// The bytes `image` takes, if it is within the adapter's limits.
+    pub(crate) fn check(gpu: &Gpu, image: &Image) -> Result<u64, GpuError> {
         let limit = gpu.limits.max_texture_dimension_2d;
         if image.width > limit || image.height > limit {
             return Err(GpuError::ImageTooLarge {
@@ -244,21 +255,27 @@ impl Materials {
                 limit,
             });
         }
+        Ok(image_bytes(image))
+    }
+
+    /// Drops all materials and images; those of the frame are uploaded again.
+    pub(crate) fn clear(&mut self) {
+        self.bound.clear();
+        self.textures.clear();
+    }
+
+    fn texture(&mut self, gpu: &Gpu, image: &Arc<Image>, srgb: bool) -> wgpu::Texture {
         let key = (Arc::as_ptr(image) as usize, srgb);
         let (_, texture) =
             self.textures.entry(key).or_insert_with(|| (Arc::clone(image), upload(gpu, image, srgb)));
-        Ok(texture.clone())
+        texture.clone()
     }
 
     /// An image as base colours are bound; white where the scene has lost it, as surfaces show it then.
-    pub(crate) fn base_color_image(
-        &mut self,
-        gpu: &Gpu,
-        image: Option<&Arc<Image>>,
-    ) -> Result<wgpu::Texture, GpuError> {
+    pub(crate) fn base_color_image(&mut self, gpu: &Gpu, image: Option<&Arc<Image>>) -> wgpu::Texture {
         match image {
             Some(image) => self.texture(gpu, image, true),
-            None => Ok(self.white.clone()),
+            None => self.white.clone(),
         }
     }
 
@@ -282,6 +299,11 @@ impl Materials {
         });
         sampler.clone()
     }
+}
+
+/// The bytes of an image with its mip levels.
+fn image_bytes(image: &Image) -> u64 {
+    u64::from(image.width) * u64::from(image.height) * 16 / 3
 }
 
 /// Uploads `image` with a full mip chain, each level a box filter of the one above in linear light.

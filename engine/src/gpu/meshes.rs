@@ -5,8 +5,10 @@ use std::collections::HashMap;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 
+use super::executor::budget::check_buffer;
 use super::{Gpu, GpuError};
 use crate::geometry::Mesh;
+use crate::plan::BufferUsage;
 
 /// Everything of a vertex but its position; common/attributes.wgsl reads it word by word.
 #[repr(C)]
@@ -57,23 +59,12 @@ impl Meshes {
     }
 
     /// Makes sure `mesh` is on the GPU.
-    pub(crate) fn upload(&mut self, gpu: &Gpu, mesh: &Mesh) -> Result<(), GpuError> {
+    pub(crate) fn upload(&mut self, gpu: &Gpu, mesh: &Mesh) {
         if let Some(uploaded) = self.meshes.get_mut(&mesh.id()) {
             uploaded.last_used_frame = self.frame;
-            return Ok(());
+            return;
         }
         let data = mesh.data();
-        let limit = gpu.limits.max_storage_buffer_binding_size.min(gpu.limits.max_buffer_size);
-        let bytes =
-            (data.positions.len() as u64 * size_of::<Attributes>() as u64).max(data.indices.len() as u64 * 4);
-        if bytes > limit {
-            return Err(GpuError::BufferTooLarge {
-                mesh: mesh.name().into(),
-                bytes,
-                adapter: gpu.name(),
-                limit,
-            });
-        }
         let origin = mesh.shader_origin();
         let positions: Vec<Vec3> = data
             .positions
@@ -97,7 +88,27 @@ impl Meshes {
             last_used_frame: self.frame,
         };
         self.meshes.insert(mesh.id(), uploaded);
-        Ok(())
+    }
+
+    /// The bytes `mesh` takes, if each of its buffers is within the adapter's limits. Positions and indices are read as
+    /// storage by some draws.
+    pub(crate) fn check(gpu: &Gpu, mesh: &Mesh) -> Result<u64, GpuError> {
+        let data = mesh.data();
+        let vertices = data.positions.len() as u64;
+        let parts = [
+            ("positions", vertices * 12, BufferUsage::Storage),
+            ("indices", data.indices.len() as u64 * 4, BufferUsage::Storage),
+            ("attributes", vertices * size_of::<Attributes>() as u64, BufferUsage::Index),
+        ];
+        for (part, bytes, usage) in parts {
+            check_buffer(gpu, || format!("mesh '{}', {part},", mesh.name()), usage, bytes)?;
+        }
+        Ok(parts.iter().map(|(_, bytes, _)| bytes).sum())
+    }
+
+    /// Drops all meshes but these.
+    pub(crate) fn keep_only(&mut self, ids: &HashMap<u64, &Mesh>) {
+        self.meshes.retain(|id, _| ids.contains_key(id));
     }
 
     /// A mesh that [`Meshes::upload`] was called for in this frame.

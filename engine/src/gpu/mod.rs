@@ -10,7 +10,7 @@ mod pipelines;
 mod readback;
 mod uniforms;
 
-pub use context::{AdapterChoice, Gpu, GpuError};
+pub use context::{AdapterChoice, DEFAULT_BUDGET_BYTES, Gpu, GpuError};
 pub use executor::{Executed, Executor, FrameInputs, PassTime, Timing};
 pub use materials::MaterialUniform;
 pub use readback::{Pixels, PixelsError};

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use wgpu::TextureFormat;
 
-use super::Gpu;
 use super::bindings::{BindKind, Layouts};
 use super::meshes::{ATTRIBUTE_LAYOUT, POSITION_LAYOUT};
+use super::{Gpu, GpuError};
 use crate::plan::{BlendState, CompareFunction, DrawState, Shader, Stencil};
 
 /// Which vertex buffers a pipeline reads.
@@ -32,7 +32,7 @@ pub(crate) enum Culling {
 /// Everything that makes two pipelines different.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Key {
-    shader: Arc<str>,
+    text: usize,
     vertex: Cow<'static, str>,
     fragment: Option<Cow<'static, str>>,
     kinds: Vec<(u32, BindKind)>,
@@ -45,6 +45,7 @@ struct Key {
     stencil: Option<Stencil>,
     targets: Vec<(TextureFormat, Option<BlendState>)>,
     depth_format: Option<TextureFormat>,
+    samples: u32,
 }
 
 /// What a pipeline is asked for.
@@ -60,16 +61,32 @@ pub(crate) struct Wanted<'a> {
     /// The render pass's colour formats, and how this draw blends into each; `None` leaves a target alone.
     pub(crate) targets: Vec<(TextureFormat, Option<BlendState>)>,
     pub(crate) depth_format: Option<TextureFormat>,
+    /// Samples of a pixel in all attachments.
+    pub(crate) samples: u32,
 }
 
 /// Pipelines and shader modules made so far.
 #[derive(Debug, Default)]
 pub(crate) struct Pipelines {
     pipelines: HashMap<Key, wgpu::RenderPipeline>,
-    modules: HashMap<String, wgpu::ShaderModule>,
+    /// Every text met, by itself: two shaders of one name and different texts are two shaders.
+    texts: HashMap<Arc<str>, usize>,
+    /// The modules of `texts`.
+    modules: Vec<wgpu::ShaderModule>,
+    /// The texts of this frame by address, which spares hashing them for every draw.
+    addresses: HashMap<usize, usize>,
 }
 
 impl Pipelines {
+    /// Addresses are those of one plan's shaders, and mean nothing in the next frame.
+    pub(crate) fn begin_frame(&mut self) {
+        self.addresses.clear();
+    }
+
+    /// The pipeline for what is `wanted`.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`] and [`GpuError::Pipeline`] name the shader and say what is wrong with it.
     pub(crate) fn get(
         &mut self,
         gpu: &Gpu,
@@ -77,12 +94,13 @@ impl Pipelines {
         frame_layout: &wgpu::BindGroupLayout,
         material_layout: &wgpu::BindGroupLayout,
         wanted: &Wanted<'_>,
-    ) -> wgpu::RenderPipeline {
+    ) -> Result<wgpu::RenderPipeline, GpuError> {
         let Wanted { shader, state, .. } = wanted;
+        let text = self.text(gpu, &shader.name, &shader.source)?;
         // Blending is not part of targets that cannot blend, and the stencil reference is set while drawing.
         let stencil = state.stencil.map(|stencil| Stencil { reference: 0, ..stencil });
         let key = Key {
-            shader: Arc::clone(&shader.name),
+            text,
             vertex: shader.vertex.clone(),
             fragment: shader.fragment.clone(),
             kinds: wanted.kinds.to_vec(),
@@ -95,9 +113,10 @@ impl Pipelines {
             stencil,
             targets: wanted.targets.clone(),
             depth_format: wanted.depth_format,
+            samples: wanted.samples,
         };
         if let Some(pipeline) = self.pipelines.get(&key) {
-            return pipeline.clone();
+            return Ok(pipeline.clone());
         }
         let draw_layout = layouts.get(gpu, wanted.kinds);
         let mut groups = vec![Some(frame_layout), Some(&draw_layout)];
@@ -107,29 +126,51 @@ impl Pipelines {
             bind_group_layouts: &groups,
             immediate_size: 0,
         });
-        let module = self.module(gpu, &shader.name, &shader.source);
+        let module = self.modules[text].clone();
         // A pass with colour targets wants a fragment stage of every pipeline, even one that writes none of them.
         let fragment = match &shader.fragment {
             Some(entry) => Some((module.clone(), entry.to_string())),
             None if wanted.targets.is_empty() => None,
             None => {
                 let source = shadowgraph_shaders::source("nothing").unwrap_or_default();
-                Some((self.module(gpu, "nothing", source), "nothing".to_owned()))
+                let text = self.text(gpu, "nothing", &source.into())?;
+                Some((self.modules[text].clone(), "nothing".to_owned()))
             }
         };
-        let pipeline = create(gpu, &layout, &module, fragment.as_ref(), wanted);
+        let (pipeline, error) = gpu.scoped(|| create(gpu, &layout, &module, fragment.as_ref(), wanted));
+        if let Some(error) = error {
+            let (shader, message) = (shader.name.to_string(), error.to_string());
+            return Err(GpuError::Pipeline { shader, adapter: gpu.name(), message });
+        }
         self.pipelines.insert(key, pipeline.clone());
-        pipeline
+        Ok(pipeline)
     }
 
-    fn module(&mut self, gpu: &Gpu, name: &str, source: &str) -> wgpu::ShaderModule {
-        let module = self.modules.entry(name.to_owned()).or_insert_with(|| {
-            gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(name),
-                source: wgpu::ShaderSource::Wgsl(source.into()),
-            })
-        });
-        module.clone()
+    /// The number of a text, compiled if it is new.
+    fn text(&mut self, gpu: &Gpu, name: &str, source: &Arc<str>) -> Result<usize, GpuError> {
+        let address = source.as_ptr() as usize;
+        if let Some(number) = self.addresses.get(&address) {
+            return Ok(*number);
+        }
+        let number = match self.texts.get(source) {
+            Some(number) => *number,
+            None => {
+                let (module, error) = gpu.scoped(|| {
+                    gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                        label: Some(name),
+                        source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(source)),
+                    })
+                });
+                if let Some(error) = error {
+                    return Err(GpuError::Shader { shader: name.into(), message: error.to_string() });
+                }
+                self.modules.push(module);
+                self.texts.insert(Arc::clone(source), self.modules.len() - 1);
+                self.modules.len() - 1
+            }
+        };
+        self.addresses.insert(address, number);
+        Ok(number)
     }
 }
 
@@ -193,7 +234,7 @@ fn create(
             stencil,
             bias: wgpu::DepthBiasState::default(),
         }),
-        multisample: wgpu::MultisampleState::default(),
+        multisample: wgpu::MultisampleState { count: wanted.samples, ..Default::default() },
         fragment: fragment.map(|(module, entry)| wgpu::FragmentState {
             module,
             entry_point: Some(entry),

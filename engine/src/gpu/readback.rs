@@ -71,10 +71,9 @@ impl Pending {
         texture: &wgpu::Texture,
     ) -> Result<Self, PixelsError> {
         let format = texture.format();
-        let texel_bytes = format.block_copy_size(None).ok_or(PixelsError::Format { format })?;
         let size_px = [texture.width(), texture.height()];
-        let row_bytes = size_px[0] * texel_bytes;
-        let padded_row_bytes = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let (row_bytes, padded_row_bytes) =
+            row_bytes(format, size_px[0]).ok_or(PixelsError::Format { format })?;
         let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("read back"),
             size: u64::from(padded_row_bytes) * u64::from(size_px[1]),
@@ -101,6 +100,17 @@ impl Pending {
         let bytes = rows.flat_map(|row| &row[..self.row_bytes as usize]).copied().collect();
         Ok(Pixels { format: self.format, size_px: self.size_px, bytes })
     }
+}
+
+/// The bytes of a row, and those it takes in a copy.
+fn row_bytes(format: TextureFormat, width_px: u32) -> Option<(u32, u32)> {
+    let bytes = width_px.checked_mul(format.block_copy_size(None)?)?;
+    Some((bytes, bytes.checked_next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)?))
+}
+
+/// The bytes of the buffer a texture is copied to.
+pub(crate) fn padded_bytes(format: TextureFormat, size_px: [u32; 2]) -> Option<u64> {
+    Some(u64::from(row_bytes(format, size_px[0])?.1) * u64::from(size_px[1]))
 }
 
 /// The contents of a mappable buffer whose copy has been submitted.

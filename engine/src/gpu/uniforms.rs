@@ -1,7 +1,7 @@
 //! The structures shaders read, as bytes. A test compares each with its WGSL twin, field by field.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{DAffine3, DMat3, DVec3, DVec4, Mat4, Vec3};
+use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4, Mat4, Vec3};
 
 use crate::plan::FactorAt;
 use crate::scene::{Instance, LightKind, Posed, PosedCamera, PosedLight};
@@ -13,6 +13,7 @@ use crate::scene::{Instance, LightKind, Posed, PosedCamera, PosedLight};
 pub struct FrameUniform {
     pub clip_from_view: [f32; 16],
     pub view_from_clip: [f32; 16],
+    pub view_from_world: [f32; 16],
     pub size_px: [f32; 2],
     pub exposure: f32,
     pub light_count: u32,
@@ -71,7 +72,7 @@ macro_rules! layout {
 
 pub(super) use layout;
 
-layout!(FrameUniform: clip_from_view, view_from_clip, size_px, exposure, light_count, ambient, tone_map, up_in_view, eye_w);
+layout!(FrameUniform: clip_from_view, view_from_clip, view_from_world, size_px, exposure, light_count, ambient, tone_map, up_in_view, eye_w);
 layout!(InstanceUniform: row_x, row_y, row_z, normal_x, normal_y, normal_z, flags, first_triangle, smooth_terminators, pad_0);
 layout!(LightUniform: position, radiance, inverse_range, direction, cone_scale, cone_offset, factor_kind, factor_index, pad_0);
 
@@ -91,6 +92,7 @@ impl FrameUniform {
         Self {
             clip_from_view: clip_from_view.as_mat4().to_cols_array(),
             view_from_clip: Mat4::to_cols_array(&clip_from_view.inverse().as_mat4()),
+            view_from_world: DMat4::from(view_from_world).as_mat4().to_cols_array(),
             size_px: size_px.map(|n| n as f32),
             exposure,
             light_count: posed.lights.len() as u32,

@@ -1,19 +1,16 @@
 //! Putting a frame together from what each light's techniques planned.
 
-use std::sync::Arc;
-
 use wgpu::TextureFormat;
 
-use super::request::FrameRequest;
+use super::request::{Adapter, FrameError, FrameRequest};
 use super::surfaces::Surfaces;
-use crate::math::facing_sign;
 use crate::plan::{
-    Access, Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, BufferUsage, ColorTarget,
+    Access, Antialias, Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, ColorTarget,
     CompareFunction, DepthTarget, Draw, DrawState, FactorAt, FramePlan, Geometry, LightPlanned, Load, Pass,
     PlanBuilder, Shader, SlotId, SlotKind, Stencil, StencilFaceState, StencilOperation, SurfaceStyle,
 };
 use crate::scene::Posed;
-use crate::shadow::{Channels, View, hash_of};
+use crate::shadow::{Channels, View};
 
 /// One light's part of the plan, before it is known how factors are stored.
 pub(super) struct Segment {
@@ -33,15 +30,28 @@ pub(super) struct Assembly<'a> {
     pub(super) view: &'a View,
     pub(super) surfaces: Surfaces,
     pub(super) request: &'a FrameRequest,
+    pub(super) adapter: &'a Adapter<'a>,
     pub(super) b: PlanBuilder,
+    /// The finished picture.
     pub(super) picture: SlotId,
+    /// What is drawn into: the picture itself, or what it is averaged from.
+    pub(super) drawn: SlotId,
     pub(super) depth: SlotId,
     pub(super) visibility: SlotId,
+    /// The visible triangle of every pixel, when a technique asks for it.
+    pub(super) triangles: Option<SlotId>,
 }
 
 impl Assembly<'_> {
     /// Puts prepass, segments, resolves and shading together, and the one darkening of `weight` after them.
-    pub(super) fn assemble(mut self, segments: Vec<Segment>, weight: Option<f64>) -> FramePlan {
+    ///
+    /// # Errors
+    /// What the adapter cannot do with four samples a pixel.
+    pub(super) fn assemble(
+        mut self,
+        segments: Vec<Segment>,
+        weight: Option<f64>,
+    ) -> Result<FramePlan, FrameError> {
         let counted = segments.iter().filter(|s| s.counts && s.visibility.is_none()).count() as u32;
         let any_counts = segments.iter().any(|s| s.counts || s.darkens);
         let shadowed = segments.iter().any(|s| !s.passes.is_empty());
@@ -52,22 +62,25 @@ impl Assembly<'_> {
         }
         // One light with counts is shaded straight from the stencil, if no other light counts in it.
         let others_count = segments.iter().any(|s| (s.counts && s.visibility.is_some()) || s.darkens);
-        let mask = (counted > 1 || (counted == 1 && others_count)).then(|| {
-            let format = match counted {
-                0..=8 => TextureFormat::R8Unorm,
-                9..=16 => TextureFormat::Rg8Unorm,
-                _ => TextureFormat::Rgba8Unorm,
-            };
-            let reason = format!("one bit for each of {counted} lights with counts");
-            self.b.texture("light mask", format, counted.div_ceil(32), &reason)
-        });
+        let mask = if counted > 1 || (counted == 1 && others_count) {
+            Some(self.light_mask(counted)?)
+        } else {
+            None
+        };
+        if self.multisampled() {
+            self.adapter.check_multisampled("depth", self.depth_format())?;
+        }
 
-        let prepass = shadowed || self.request.factors;
+        // Holes are cut before anything is shaded: what shades a pixel's samples at once cannot tell them apart.
+        let prepass = shadowed || self.request.factors || (self.multisampled() && self.has_holes());
         if prepass {
             let pass = self.prepass(any_counts);
             self.b.passes.push(pass);
         }
-        let visible_triangles = self.request.factors.then(|| self.visible_triangles());
+        let visible_triangles = match (self.request.factors, self.triangles) {
+            (false, None) => None,
+            _ => Some(self.visible_triangles()?),
+        };
         let (mut bit, mut layer) = (0, 0);
         let mut lights = Vec::new();
         let mut darkening = Vec::new();
@@ -95,7 +108,7 @@ impl Assembly<'_> {
                 self.b.passes.push(self.resolve_to_visibility(&name, layer));
             }
             let wanted = self.request.factors && segment.claimed;
-            let factor_image = wanted.then(|| self.factor_image(index, factor));
+            let factor_image = wanted.then(|| self.factor_image(index, factor, visible_triangles));
             if factor_alone {
                 self.b.passes.push(self.forget_counts(&name));
             }
@@ -111,30 +124,63 @@ impl Assembly<'_> {
         if let Some(weight) = weight.filter(|_| !darkening.is_empty()) {
             self.darken(darkening, weight);
         }
-        let Self { b, picture, .. } = self;
+        self.finish_picture();
+        let Self { b, picture, request, .. } = self;
         let mut plan = FramePlan {
             size_px: b.size_px,
+            antialias: request.antialias,
             slots: b.slots,
             passes: b.passes,
             lights,
             picture,
-            visible_triangles,
+            visible_triangles: visible_triangles.filter(|_| request.factors),
             notes: b.notes,
         };
         if layers == 0 {
             plan.remove_slot(self.visibility);
         }
-        plan
+        Ok(plan)
+    }
+
+    pub(super) fn multisampled(&self) -> bool {
+        self.request.antialias == Antialias::Multisample4
+    }
+
+    fn has_holes(&self) -> bool {
+        let instances = &self.surfaces.opaque_instances;
+        instances.iter().any(|instance| self.posed.instances[*instance as usize].is_masked())
+    }
+
+    fn depth_format(&self) -> TextureFormat {
+        match self.b.slots[self.depth.0].kind {
+            SlotKind::Texture { format, .. } => format,
+            SlotKind::Buffer { .. } | SlotKind::Image { .. } => TextureFormat::Depth32Float,
+        }
+    }
+
+    /// One bit for each of `counted` lights, in the narrowest format that holds them.
+    fn light_mask(&mut self, counted: u32) -> Result<SlotId, FrameError> {
+        let format = match counted {
+            0..=8 => TextureFormat::R8Unorm,
+            9..=16 => TextureFormat::Rg8Unorm,
+            _ => TextureFormat::Rgba8Unorm,
+        };
+        let reason = format!("one bit for each of {counted} lights with counts");
+        if !self.multisampled() {
+            return Ok(self.b.texture("light mask", format, counted.div_ceil(32), &reason));
+        }
+        // Multisampled textures have one layer.
+        if counted > 32 {
+            return Err(FrameError::MultisampledLights { lights: counted, limit: 32 });
+        }
+        self.adapter.check_multisampled("the light mask", format)?;
+        Ok(self.b.samples("light mask", format, self.request.antialias.samples(), &reason))
     }
 
     fn size_visibility(&mut self, light_layers: u32, widest: Option<Channels>) {
         if let SlotKind::Texture { format, layers, .. } = &mut self.b.slots[self.visibility.0].kind {
             *layers = light_layers.max(1);
-            *format = if widest == Some(Channels::Rgb) {
-                TextureFormat::Rgba16Float
-            } else {
-                TextureFormat::R16Float
-            };
+            *format = widest.unwrap_or(Channels::One).format();
         }
     }
 
@@ -174,7 +220,7 @@ impl Assembly<'_> {
         }
     }
 
-    fn surfaces_draw(
+    pub(super) fn surfaces_draw(
         &self,
         name: &str,
         style: SurfaceStyle,
@@ -194,7 +240,7 @@ impl Assembly<'_> {
     }
 
     /// The opaque surfaces by a shader that pulls them: runs with and without holes, in the order of drawing.
-    fn pulled_draws(
+    pub(super) fn pulled_draws(
         &self,
         shader: &'static str,
         flags: &[&str],
@@ -226,96 +272,6 @@ impl Assembly<'_> {
         runs.map(draw).collect()
     }
 
-    /// (instance, triangle) of every pixel, with a depth test of its own so that of two coincident surfaces the
-    /// first drawn wins, as in the prepass.
-    fn visible_triangles(&mut self) -> SlotId {
-        let reason = "measuring compares where reference and GPU see the same triangle";
-        let slot = self.b.texture("visible triangles", TextureFormat::Rg32Uint, 1, reason);
-        let depth = self.b.texture("depth of visible triangles", TextureFormat::Depth32Float, 1, reason);
-        let mut state = DrawState::new(CompareFunction::Greater, vec![Some(BlendState::REPLACE)]);
-        state.depth_write = true;
-        let draws = self.pulled_draws("surface_measure", &[], "visible_triangle", &state, &[]);
-        let nothing = f64::from(u32::MAX);
-        self.b.passes.push(Pass {
-            name: "visible triangles".into(),
-            reason: reason.into(),
-            colors: vec![ColorTarget { slot, layer: 0, load: Load::Clear([nothing, nothing, 0.0, 0.0]) }],
-            depth: Some(DepthTarget { slot: depth, depth: Access::Clear(0.0), stencil: None }),
-            draws,
-        });
-        slot
-    }
-
-    /// The factor of one light as a linear image.
-    fn factor_image(&mut self, light: usize, factor: FactorAt) -> SlotId {
-        let name = &self.posed.lights[light].name;
-        let color = matches!(
-            self.b.slots[self.visibility.0].kind,
-            SlotKind::Texture { format: TextureFormat::Rgba16Float, .. }
-        );
-        let color = color && matches!(factor, FactorAt::Visibility(_));
-        let format = if color { TextureFormat::Rgba32Float } else { TextureFormat::R32Float };
-        let slot = self.b.texture(&format!("factor of {name}"), format, 1, "asked for");
-        let turned_away = self.turned_away(light);
-        let mut bindings = vec![(3, Binding::Storage(turned_away))];
-        let flags: &[&str] = match factor {
-            FactorAt::Counts | FactorAt::MaskBit(_) | FactorAt::Darkening => {
-                bindings.push((4, Binding::StencilOf(self.depth)));
-                &["COUNTS"]
-            }
-            FactorAt::Visibility(layer) => {
-                bindings.push((4, Binding::TextureLayer(self.visibility, layer)));
-                &["VISIBILITY"]
-            }
-            FactorAt::Lit => &[],
-        };
-        let state = DrawState::new(CompareFunction::Equal, vec![Some(BlendState::REPLACE)]);
-        let draws = self.pulled_draws("surface_factor", flags, "factor", &state, &bindings);
-        let pass = Pass {
-            name: format!("factor of {name}"),
-            reason: "the factor was asked for as an image".into(),
-            colors: vec![ColorTarget { slot, layer: 0, load: Load::Clear([1.0; 4]) }],
-            depth: Some(self.depth_read()),
-            draws,
-        };
-        self.b.passes.push(pass);
-        slot
-    }
-
-    /// One bit for each triangle of the frame: the eye sees the side turned away from the light. Decided in f64.
-    fn turned_away(&mut self, light: usize) -> SlotId {
-        let light = &self.posed.lights[light];
-        let mut bits: Vec<u32> = Vec::new();
-        let mut first = 0;
-        for instance in &self.posed.instances {
-            let count = instance.mesh.triangle_count();
-            bits.resize((first + count).div_ceil(32).max(1), 0);
-            let world: Vec<_> =
-                (0..instance.mesh.positions().len() as u32).map(|v| instance.world_position(v)).collect();
-            for triangle in 0..count {
-                let [a, b, c] = instance.mesh.triangle(triangle).map(|v| world[v as usize]);
-                let eye_side = facing_sign(a, b, c, self.view.frustum.eye);
-                if eye_side * facing_sign(a, b, c, light.position) < 0 {
-                    bits[(first + triangle) / 32] |= 1 << ((first + triangle) % 32);
-                }
-            }
-            first += count;
-        }
-        if bits.is_empty() {
-            bits.push(0);
-        }
-        let key = hash_of(("turned away", &bits));
-        let contents = Arc::new(bytemuck::cast_slice(&bits).to_vec());
-        let name = format!("turned away from {}", light.name);
-        self.b.buffer(
-            &name,
-            BufferUsage::Storage,
-            key,
-            contents,
-            "surfaces turned away from a light are dark",
-        )
-    }
-
     /// Marks a light's shadow in the mask and sets the stencil back to zero for the next light.
     fn resolve_to_mask(&self, light: &str, mask: SlotId, bit: u32) -> Pass {
         let layer = bit / 32;
@@ -330,6 +286,7 @@ impl Assembly<'_> {
                 slot: mask,
                 layer,
                 load: if first { Load::Clear([0.0; 4]) } else { Load::Keep },
+                resolve: None,
             }],
             depth: Some(DepthTarget {
                 slot: self.depth,
@@ -347,7 +304,7 @@ impl Assembly<'_> {
         Pass {
             name: format!("resolve {light}"),
             reason: "its counts darken its visibility, and the stencil is free again".into(),
-            colors: vec![ColorTarget { slot: self.visibility, layer, load: Load::Keep }],
+            colors: vec![ColorTarget { slot: self.visibility, layer, load: Load::Keep, resolve: None }],
             depth: Some(DepthTarget {
                 slot: self.depth,
                 depth: Access::ReadOnly,
@@ -381,9 +338,17 @@ impl Assembly<'_> {
         if lights.iter().any(|light| light.factor == FactorAt::Counts) {
             bindings.push((0, Binding::StencilOf(self.depth)));
         }
-        bindings.extend(mask.map(|mask| (1, Binding::TextureArray(mask))));
+        if self.multisampled() {
+            bindings.extend(mask.map(|mask| (1, Binding::Texture(mask))));
+        } else {
+            bindings.extend(mask.map(|mask| (1, Binding::TextureArray(mask))));
+        }
         if visibility {
             bindings.push((2, Binding::TextureArray(self.visibility)));
+        }
+        if self.multisampled() && !bindings.is_empty() {
+            // Which samples show the fragment that is shaded: their factors are averaged.
+            bindings.push((3, Binding::Texture(self.depth)));
         }
         let mut state = DrawState::new(CompareFunction::Equal, vec![Some(BlendState::REPLACE)]);
         let mut depth = self.depth_read();
@@ -411,13 +376,43 @@ impl Assembly<'_> {
                 n => format!("all {n} lights at once"),
             },
             colors: vec![ColorTarget {
-                slot: self.picture,
+                slot: self.drawn,
                 layer: 0,
                 load: Load::Clear([background.x, background.y, background.z, 1.0]),
+                resolve: None,
             }],
             depth: Some(depth),
             draws,
         });
+    }
+
+    /// Averages what was drawn into the picture, where they are not the same.
+    fn finish_picture(&mut self) {
+        let (drawn, picture) = (self.drawn, self.picture);
+        match self.request.antialias {
+            Antialias::None => {}
+            Antialias::Multisample4 => {
+                // The last pass that draws into it resolves it.
+                let passes = self.b.passes.iter_mut().rev();
+                let last = passes.flat_map(|pass| &mut pass.colors).find(|color| color.slot == drawn);
+                last.into_iter().for_each(|color| color.resolve = Some(picture));
+            }
+            Antialias::Supersample4 => {
+                let load = Load::Clear([0.0; 4]);
+                let state = DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]);
+                let mut draw = self.resolve_draw("average", state);
+                draw.shader =
+                    Some(engine_shader("average_pixels", &[], "fullscreen_vertex", Some("average")));
+                draw.bindings = vec![(0, Binding::Texture(drawn))];
+                self.b.passes.push(Pass {
+                    name: "average".into(),
+                    reason: "ssaa4: the mean of four pixels, in tone-mapped linear light".into(),
+                    colors: vec![ColorTarget { slot: picture, layer: 0, load, resolve: None }],
+                    depth: None,
+                    draws: vec![draw],
+                });
+            }
+        }
     }
 }
 
@@ -443,7 +438,7 @@ pub(super) const ZERO_WHERE_COUNTED: Stencil = {
 };
 
 /// A shader of the engine's own; its text is checked by a test, so composing it cannot fail.
-fn engine_shader(
+pub(super) fn engine_shader(
     name: &'static str,
     flags: &[&str],
     vertex: &'static str,
@@ -466,6 +461,7 @@ impl FramePlan {
         let shift = |slot: &mut SlotId| slot.0 -= usize::from(slot.0 > removed.0);
         for pass in &mut self.passes {
             pass.colors.iter_mut().for_each(|color| shift(&mut color.slot));
+            pass.colors.iter_mut().filter_map(|color| color.resolve.as_mut()).for_each(shift);
             pass.depth.iter_mut().for_each(|depth| shift(&mut depth.slot));
             for draw in &mut pass.draws {
                 if let Geometry::Indexed { indices, .. } = &mut draw.geometry {

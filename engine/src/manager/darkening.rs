@@ -23,7 +23,7 @@ impl Assembly<'_> {
             reason: format!(
                 "the finished picture loses {weight} of its light, once, where any light is blocked"
             ),
-            colors: vec![ColorTarget { slot: self.picture, layer: 0, load: Load::Keep }],
+            colors: vec![ColorTarget { slot: self.drawn, layer: 0, load: Load::Keep, resolve: None }],
             depth: Some(self.depth_read()),
             draws: vec![draw],
         });

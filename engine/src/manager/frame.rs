@@ -5,9 +5,9 @@ use wgpu::TextureFormat;
 use super::assembly::{Assembly, Segment};
 use super::request::{Adapter, FrameError, FrameRequest, PictureFormat};
 use super::surfaces::{Surfaces, receiver_bounds};
-use crate::plan::{FramePlan, PlanBuilder};
+use crate::plan::{Antialias, FramePlan, PlanBuilder, SlotId, SlotKind};
 use crate::scene::Posed;
-use crate::shadow::{Cache, LightPlan, Registry, ShadowError, View};
+use crate::shadow::{Cache, Channels, Claim, LightPlan, Registry, ShadowError, View};
 
 /// Plans one frame of `posed`. Needs no device.
 ///
@@ -28,15 +28,16 @@ pub fn plan_frame(
     if !request.camera.projection.is_valid() || !request.camera.world_from_view.is_finite() {
         return Err(FrameError::Camera { name: request.camera.name.clone() });
     }
-    let frustum = request.camera.frustum(request.size_px);
+    let size_px = drawn_size_px(request, adapter)?;
+    let frustum = request.camera.frustum(size_px);
     let view = View {
         camera: request.camera.clone(),
-        size_px: request.size_px,
+        size_px,
         receiver_bounds: receiver_bounds(posed, &frustum),
         frustum,
     };
     let surfaces = Surfaces::of(posed, &view);
-    let mut b = PlanBuilder::new(request.size_px);
+    let mut b = PlanBuilder::new(size_px);
     b.notes.clone_from(&registry.notes);
     if surfaces.outside > 0 {
         b.note(format!("{} meshes outside the view are not drawn (their shadows may be)", surfaces.outside));
@@ -45,8 +46,19 @@ pub fn plan_frame(
         PictureFormat::Srgb8 => TextureFormat::Rgba8UnormSrgb,
         PictureFormat::LinearF32 => TextureFormat::Rgba32Float,
     };
-    let picture = b.texture("picture", format, 1, "what was asked for");
-    let depth = b.texture("depth", TextureFormat::Depth32Float, 1, "hidden surfaces");
+    let samples = request.antialias.samples();
+    let picture = b.texture_sized("picture", format, request.size_px, 1, "what was asked for");
+    let drawn = match request.antialias {
+        Antialias::None => picture,
+        Antialias::Multisample4 => {
+            adapter.check_multisampled("the picture", format)?;
+            b.samples("picture in samples", format, samples, "msaa4: edges of surfaces")
+        }
+        Antialias::Supersample4 => {
+            b.texture("picture at twice the size", format, 1, "ssaa4: every sample is drawn in full")
+        }
+    };
+    let depth = b.samples("depth", TextureFormat::Depth32Float, samples, "hidden surfaces");
     // A placeholder that is removed again when no light needs it: techniques must be able to name it.
     let visibility =
         b.texture("visibility", TextureFormat::R16Float, 1, "factors of lights that are not hard");
@@ -55,6 +67,7 @@ pub fn plan_frame(
     let mut segments = Vec::new();
     let mut layers = 0;
     let mut darkening = None;
+    let mut triangles = None;
     for (index, claims) in registry.lights.iter().enumerate() {
         let mut segment = Segment {
             passes: vec![],
@@ -100,6 +113,7 @@ pub fn plan_frame(
                     darkening: &mut darkening,
                     darkens: &mut darkens,
                     smooth_terminators: &mut segment.smooth_terminators,
+                    visible_triangles: &mut triangles,
                 };
                 light_plan.require(required, "always")?;
                 claim.technique.plan(&mut light_plan)?;
@@ -111,6 +125,7 @@ pub fn plan_frame(
                     return Err(ShadowError::DarkenedTwice { light, darkening, other }.into());
                 }
                 last = Some(&claim.node);
+                check_per_sample(&b, claim, depth, segment.visibility, triangles)?;
             }
             segment.passes = std::mem::take(&mut b.passes);
             layers += u32::from(segment.visibility.is_some());
@@ -129,8 +144,66 @@ pub fn plan_frame(
             }));
         }
     }
-    let assembly = Assembly { posed, view: &view, surfaces, request, b, picture, depth, visibility };
-    let plan = assembly.assemble(segments, darkening.map(|darkening| darkening.weight));
+    let assembly = Assembly {
+        posed,
+        view: &view,
+        surfaces,
+        request,
+        adapter,
+        b,
+        picture,
+        drawn,
+        depth,
+        visibility,
+        triangles,
+    };
+    let plan = assembly.assemble(segments, darkening.map(|darkening| darkening.weight))?;
     plan.validate().map_err(ShadowError::from)?;
     Ok(plan)
+}
+
+/// The size of what is drawn, when the adapter has targets that large, factor images among them.
+fn drawn_size_px(request: &FrameRequest, adapter: &Adapter<'_>) -> Result<[u32; 2], FrameError> {
+    let (size_px, limit) = (request.size_px, adapter.max_size_px);
+    let drawn = request.antialias.drawn_size_px(size_px);
+    let needed = if request.factors { request.antialias.factor_size_px(size_px) } else { drawn };
+    if needed.iter().any(|n| *n > limit) {
+        return Err(FrameError::AntialiasedSize {
+            antialias: request.antialias,
+            width: size_px[0],
+            height: size_px[1],
+            needed_width: needed[0],
+            needed_height: needed[1],
+            limit,
+        });
+    }
+    Ok(drawn)
+}
+
+/// Counts are kept for every sample by the stencil itself. A visibility target is written once for each fragment: its
+/// samples would all hold the factor of one point, and edges would be as wrong as without antialiasing.
+fn check_per_sample(
+    b: &PlanBuilder,
+    claim: &Claim,
+    depth: SlotId,
+    visibility: Option<Channels>,
+    triangles: Option<SlotId>,
+) -> Result<(), FrameError> {
+    if b.slots[depth.0].samples() == 1 {
+        return Ok(());
+    }
+    // A counter of its own beside the receivers' depth, or the visibility target.
+    let beside_depth = b.passes.iter().filter(|pass| pass.depth.as_ref().is_some_and(|d| d.slot == depth));
+    let counter =
+        beside_depth.flat_map(|pass| &pass.colors).find_map(|color| match b.slots.get(color.slot.0)?.kind {
+            SlotKind::Texture { format, samples: 1, .. } => Some(format),
+            _ => None,
+        });
+    let triangles = triangles.map(|_| TextureFormat::Rg32Uint);
+    let Some(format) = counter.or(visibility.map(Channels::format)).or(triangles) else { return Ok(()) };
+    Err(FrameError::Shadow(ShadowError::NotPerSample {
+        node: claim.node.clone(),
+        technique: claim.technique.type_name(),
+        format,
+    }))
 }

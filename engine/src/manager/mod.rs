@@ -3,6 +3,7 @@
 mod assembly;
 mod darkening;
 mod exposure;
+mod factors;
 mod frame;
 mod renderer;
 mod request;

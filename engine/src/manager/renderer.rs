@@ -75,12 +75,16 @@ pub struct Renderer {
     cache: Cache,
     /// The posed scene of one revision, with its shadow nodes by light.
     posed: Option<(u64, Arc<Posed>, Arc<Registry>)>,
+    recoveries: u64,
 }
+
+/// Devices that may be lost while one frame is rendered before it is given up.
+const RECOVERIES_A_FRAME: u32 = 3;
 
 impl Renderer {
     /// A renderer on `gpu` that knows the techniques of `catalog`.
     pub fn new(gpu: Gpu, catalog: Catalog) -> Self {
-        Self { executor: Executor::new(gpu), catalog, cache: Cache::new(), posed: None }
+        Self { executor: Executor::new(gpu), catalog, cache: Cache::new(), posed: None, recoveries: 0 }
     }
 
     /// The device it runs on.
@@ -123,15 +127,21 @@ impl Renderer {
         let (posed, registry) = self.posed(scene)?;
         let gpu = self.executor.gpu();
         let name = gpu.name();
-        let adapter =
-            Adapter { name: &name, features: gpu.features, max_size_px: gpu.limits.max_texture_dimension_2d };
+        let adapter = Adapter {
+            name: &name,
+            features: gpu.features,
+            max_size_px: gpu.limits.max_texture_dimension_2d,
+            multisampled: &gpu.multisampled,
+        };
         Ok(plan_frame(&posed, &registry, request, &adapter, &mut self.cache)?)
     }
 
-    /// Renders one frame and waits for it.
+    /// Renders one frame and waits for it. A device that is lost, now or since the last frame, is replaced by another,
+    /// and everything on it made again.
     ///
     /// # Errors
-    /// What is wrong with the scene, its shadow nodes, the request, or the device.
+    /// What is wrong with the scene, its shadow nodes, the request, or the device; [`GpuError::Lost`] when devices are
+    /// lost one after the other, or none can be opened.
     pub fn render(
         &mut self,
         scene: &Scene,
@@ -139,6 +149,30 @@ impl Renderer {
         options: &RenderOptions,
     ) -> Result<Frame, RenderError> {
         self.cache.begin_frame();
+        let mut tries_left = RECOVERIES_A_FRAME;
+        loop {
+            match self.render_once(scene, request, options) {
+                Err(RenderError::Gpu(GpuError::Lost { .. })) if tries_left > 0 => {
+                    tries_left -= 1;
+                    self.executor = Executor::new(self.executor.gpu().reopened()?);
+                    self.recoveries += 1;
+                }
+                result => return result,
+            }
+        }
+    }
+
+    /// How many lost devices were replaced since the renderer was made.
+    pub fn recoveries(&self) -> u64 {
+        self.recoveries
+    }
+
+    fn render_once(
+        &mut self,
+        scene: &Scene,
+        request: &FrameRequest,
+        options: &RenderOptions,
+    ) -> Result<Frame, RenderError> {
         let plan = Arc::new(self.plan(scene, request)?);
         let (posed, _) = self.posed(scene)?;
         let wanted = wanted_slots(&plan, options.read_picture);

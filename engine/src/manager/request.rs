@@ -1,7 +1,9 @@
 //! What is wanted of a frame, of which adapter, and why it may be refused.
 
 use thiserror::Error;
+use wgpu::TextureFormat;
 
+use crate::plan::{Antialias, MULTISAMPLED_EVERYWHERE};
 use crate::scene::PosedCamera;
 use crate::shadow::ShadowError;
 
@@ -11,6 +13,25 @@ use crate::shadow::ShadowError;
 pub enum FrameError {
     #[error("a picture of {width}x{height} was asked for; width and height must be from 1 to {limit}")]
     Size { width: u32, height: u32, limit: u32 },
+    #[error(
+        "a picture of {width}x{height} with antialias {antialias} needs targets of {needed_width}x{needed_height}; they must not exceed {limit}"
+    )]
+    AntialiasedSize {
+        antialias: Antialias,
+        width: u32,
+        height: u32,
+        needed_width: u32,
+        needed_height: u32,
+        limit: u32,
+    },
+    #[error(
+        "antialias msaa4 needs {what} as {format:?} with 4 samples, which adapter '{adapter}' does not have (accepted for it: {accepted})"
+    )]
+    Multisample { what: String, format: TextureFormat, adapter: String, accepted: &'static str },
+    #[error(
+        "antialias msaa4 keeps the counts of up to {limit} lights apart in its light mask, the scene has {lights} (accepted for it: none, ssaa4)"
+    )]
+    MultisampledLights { lights: u32, limit: u32 },
     #[error(
         "camera '{name}' is not valid: it needs 0 < near < far, and a field of view between 0 and pi or a positive height, all finite"
     )]
@@ -38,18 +59,21 @@ pub struct FrameRequest {
     pub size_px: [u32; 2],
     /// The picture's format.
     pub picture: PictureFormat,
-    /// Whether each shadowed light's factor is kept as an image, with the visible triangle of every pixel.
+    /// How edges are smoothed.
+    pub antialias: Antialias,
+    /// Whether each shadowed light's factor is kept as an image, with the visible triangle of every pixel, or of every
+    /// sample when edges are smoothed.
     pub factors: bool,
 }
 
 impl FrameRequest {
-    /// An sRGB picture of this size from `camera`.
+    /// An sRGB picture of this size from `camera`, without antialiasing.
     pub fn new(camera: PosedCamera, size_px: [u32; 2]) -> Self {
-        Self { camera, size_px, picture: PictureFormat::Srgb8, factors: false }
+        Self { camera, size_px, picture: PictureFormat::Srgb8, antialias: Antialias::None, factors: false }
     }
 }
 
-/// What the adapter offers a plan: its name, features and largest texture.
+/// What the adapter offers a plan.
 #[derive(Clone, Debug)]
 pub struct Adapter<'a> {
     /// The adapter's name, for errors.
@@ -58,11 +82,34 @@ pub struct Adapter<'a> {
     pub features: wgpu::Features,
     /// Its largest texture side, in pixels.
     pub max_size_px: u32,
+    /// The formats in which it has targets of four samples.
+    pub multisampled: &'a [TextureFormat],
+}
+
+impl Adapter<'_> {
+    /// Checks that there are targets of four samples in `format`, needed as `what`.
+    pub(super) fn check_multisampled(&self, what: &str, format: TextureFormat) -> Result<(), FrameError> {
+        if self.multisampled.contains(&format) {
+            return Ok(());
+        }
+        let accepted = if format == TextureFormat::Rgba32Float {
+            "none, ssaa4, or an 8-bit picture"
+        } else {
+            "none, ssaa4"
+        };
+        let (what, adapter) = (what.into(), self.name.into());
+        Err(FrameError::Multisample { what, format, adapter, accepted })
+    }
 }
 
 impl Adapter<'static> {
     /// An imagined adapter with every feature a plan may ask for: for planning without a device.
     pub fn imagined() -> Self {
-        Self { name: "no adapter", features: wgpu::Features::all(), max_size_px: 16384 }
+        Self {
+            name: "no adapter",
+            features: wgpu::Features::all(),
+            max_size_px: 16384,
+            multisampled: MULTISAMPLED_EVERYWHERE,
+        }
     }
 }

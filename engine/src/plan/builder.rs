@@ -10,7 +10,7 @@ use crate::scene::ImageKey;
 /// A plan in the making.
 #[derive(Clone, Debug)]
 pub struct PlanBuilder {
-    /// Width and height of the picture, in pixels.
+    /// Width and height of what is drawn into, in pixels.
     pub size_px: [u32; 2],
     /// Textures and buffers so far.
     pub slots: Vec<Slot>,
@@ -21,14 +21,20 @@ pub struct PlanBuilder {
 }
 
 impl PlanBuilder {
-    /// An empty plan for a picture of this size.
+    /// An empty plan that draws into targets of this size.
     pub fn new(size_px: [u32; 2]) -> Self {
         Self { size_px, slots: Vec::new(), passes: Vec::new(), notes: Vec::new() }
     }
 
-    /// Adds a texture as large as the picture.
+    /// Adds a texture as large as what is drawn.
     pub fn texture(&mut self, name: &str, format: TextureFormat, layers: u32, reason: &str) -> SlotId {
         self.texture_sized(name, format, self.size_px, layers, reason)
+    }
+
+    /// Adds a texture as large as what is drawn, of several samples a pixel.
+    pub fn samples(&mut self, name: &str, format: TextureFormat, samples: u32, reason: &str) -> SlotId {
+        let size_px = self.size_px;
+        self.slot(name, SlotKind::Texture { format, size_px, layers: 1, samples }, reason)
     }
 
     /// Adds a texture of any size.
@@ -40,7 +46,7 @@ impl PlanBuilder {
         layers: u32,
         reason: &str,
     ) -> SlotId {
-        self.slot(name, SlotKind::Texture { format, size_px, layers }, reason)
+        self.slot(name, SlotKind::Texture { format, size_px, layers, samples: 1 }, reason)
     }
 
     /// Adds a buffer with contents whose origin hashes to `revision_key`. A buffer with the same key and use is

@@ -4,6 +4,7 @@
 //! attachments, its draws and the reason it is there. It holds no closures and needs no device: it can be compared,
 //! printed, validated and tested as text. The executor in [`crate::gpu`] does what it says and nothing else.
 
+mod antialias;
 mod builder;
 mod text;
 mod validate;
@@ -11,6 +12,7 @@ mod validate;
 use std::borrow::Cow;
 use std::sync::Arc;
 
+pub use antialias::{Antialias, MULTISAMPLED_EVERYWHERE, STANDARD_SAMPLES_PX, UnknownAntialias};
 pub use builder::PlanBuilder;
 pub use validate::PlanError;
 /// Plain enumerations of the graphics API that plans are written in.
@@ -57,6 +59,8 @@ pub enum SlotKind {
         size_px: [u32; 2],
         /// Array layers.
         layers: u32,
+        /// Samples of a pixel: 1, or those of [`Antialias::Multisample4`].
+        samples: u32,
     },
     /// A buffer whose contents were computed while planning.
     Buffer {
@@ -98,15 +102,21 @@ impl Slot {
     /// The bytes the slot takes on the GPU.
     pub fn bytes(&self) -> u64 {
         match &self.kind {
-            SlotKind::Texture { format, size_px, layers } => {
+            SlotKind::Texture { format, size_px, layers, samples } => {
                 let texel =
                     format.block_copy_size(None).map_or_else(|| depth_texel_bytes(*format), u64::from);
-                u64::from(size_px[0]) * u64::from(size_px[1]) * u64::from(*layers) * texel
+                let texels = u64::from(size_px[0]) * u64::from(size_px[1]) * u64::from(*layers);
+                texels * u64::from(*samples) * texel
             }
             SlotKind::Buffer { contents, .. } => contents.0.len() as u64,
             // Images are there for the surfaces that wear them, and counted with these.
             SlotKind::Image { .. } => 0,
         }
+    }
+
+    /// Samples of a pixel; 1 for buffers.
+    pub fn samples(&self) -> u32 {
+        if let SlotKind::Texture { samples, .. } = self.kind { samples } else { 1 }
     }
 }
 
@@ -144,6 +154,8 @@ pub struct ColorTarget {
     pub layer: u32,
     /// What it holds at first.
     pub load: Load,
+    /// The single-sample texture that gets the mean of each pixel's samples when the pass is done.
+    pub resolve: Option<SlotId>,
 }
 
 /// The depth-stencil attachment.
@@ -295,13 +307,14 @@ pub enum Geometry {
 pub enum Binding {
     /// `var<storage, read>`.
     Storage(SlotId),
-    /// `texture_2d<f32>` (or `texture_depth_2d` for a depth format) over layer 0.
+    /// `texture_2d<f32>` (`texture_depth_2d` for a depth format, `texture_2d<u32>` for whole numbers) over layer 0;
+    /// `texture_multisampled_2d` and `texture_depth_multisampled_2d` for a slot of several samples.
     Texture(SlotId),
     /// `texture_2d_array<f32>` over all layers.
     TextureArray(SlotId),
     /// `texture_2d_array<f32>` over one layer, which the shader sees as layer 0.
     TextureLayer(SlotId, u32),
-    /// `texture_2d<u32>` over the stencil aspect.
+    /// `texture_2d<u32>` over the stencil aspect; `texture_multisampled_2d<u32>` for a slot of several samples.
     StencilOf(SlotId),
 }
 
@@ -380,8 +393,11 @@ pub struct LightPlanned {
 /// A frame as plain data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FramePlan {
-    /// Width and height of the picture, in pixels.
+    /// Width and height of what is drawn into, in pixels; the picture has half of each with
+    /// [`Antialias::Supersample4`].
     pub size_px: [u32; 2],
+    /// How edges are smoothed.
+    pub antialias: Antialias,
     /// Textures and buffers.
     pub slots: Vec<Slot>,
     /// Passes, in order.
@@ -400,6 +416,14 @@ impl FramePlan {
     /// The slot behind `id`.
     pub fn slot(&self, id: SlotId) -> &Slot {
         &self.slots[id.0]
+    }
+
+    /// Width and height of the picture, in pixels.
+    pub fn picture_size_px(&self) -> [u32; 2] {
+        match self.slot(self.picture).kind {
+            SlotKind::Texture { size_px, .. } => size_px,
+            SlotKind::Buffer { .. } | SlotKind::Image { .. } => self.size_px,
+        }
     }
 
     /// The bytes of all slots.

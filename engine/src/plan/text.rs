@@ -43,10 +43,13 @@ impl fmt::Display for Slot {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "'{}' ", self.name)?;
         match &self.kind {
-            SlotKind::Texture { format, size_px: [width, height], layers } => {
+            SlotKind::Texture { format, size_px: [width, height], layers, samples } => {
                 write!(f, "{format:?} {width}x{height}")?;
                 if *layers > 1 {
                     write!(f, "x{layers}")?;
+                }
+                if *samples > 1 {
+                    write!(f, " of {samples} samples")?;
                 }
             }
             SlotKind::Buffer { usage: BufferUsage::Storage, .. } => write!(f, "storage buffer")?,
@@ -69,7 +72,11 @@ impl FramePlan {
                 Load::Clear(_) => "clear",
                 Load::Keep => "keep",
             };
-            writeln!(f, "    color '{}' layer {} {load}", self.name_of(color.slot), color.layer)?;
+            write!(f, "    color '{}' layer {} {load}", self.name_of(color.slot), color.layer)?;
+            if let Some(resolve) = color.resolve {
+                write!(f, ", resolved into '{}'", self.name_of(resolve))?;
+            }
+            writeln!(f)?;
         }
         if let Some(depth) = &pass.depth {
             let access = |access: Access| match access {

@@ -21,6 +21,14 @@ pub enum PlanError {
     MissingClear { pass: String, slot: String },
     #[error("pass '{pass}' uses '{slot}' as {needed}, but it is {found}")]
     WrongKind { pass: String, slot: String, needed: &'static str, found: String },
+    #[error(
+        "pass '{pass}' attaches '{slot}' of {samples} samples beside '{other}' of {other_samples}; all attachments of a pass have as many"
+    )]
+    Samples { pass: String, slot: String, samples: u32, other: String, other_samples: u32 },
+    #[error(
+        "pass '{pass}' resolves '{from}' into '{into}': needed are several samples, one sample, one layer, one format and one size"
+    )]
+    Resolve { pass: String, from: String, into: String },
     #[error("pass '{pass}' reads '{slot}' while writing it")]
     ReadWhileWritten { pass: String, slot: String },
     #[error("draw '{draw}' of pass '{pass}' states {given} colour targets, the pass has {needed}")]
@@ -83,8 +91,10 @@ impl FramePlan {
                     _ => {}
                 }
             }
+            self.check_samples(pass)?;
             self.check_draws(pass, &written)?;
             written.extend(pass.colors.iter().map(|color| (color.slot, color.layer)));
+            written.extend(pass.colors.iter().filter_map(|color| Some((color.resolve?, 0))));
             written.extend(pass.depth.iter().map(|depth| (depth.slot, 0)));
         }
         self.check_factors(&written)?;
@@ -113,6 +123,41 @@ impl FramePlan {
         }
         if color.load == Load::Keep && !written.contains(&(color.slot, color.layer)) {
             return Err(PlanError::MissingClear { pass: pass.name.clone(), slot: slot.name.clone() });
+        }
+        Ok(())
+    }
+
+    /// All attachments of a pass have as many samples; what is resolved has several, and goes where there is one.
+    fn check_samples(&self, pass: &Pass) -> Result<(), PlanError> {
+        let attached = pass.colors.iter().map(|c| c.slot).chain(pass.depth.iter().map(|d| d.slot));
+        let slots: Vec<&Slot> = attached.map(|id| self.slot_of(pass, id)).collect::<Result<_, _>>()?;
+        for pair in slots.windows(2) {
+            let (other_samples, samples) = (pair[0].samples(), pair[1].samples());
+            if samples != other_samples {
+                let (slot, other) = (pair[1].name.clone(), pair[0].name.clone());
+                return Err(PlanError::Samples {
+                    pass: pass.name.clone(),
+                    slot,
+                    samples,
+                    other,
+                    other_samples,
+                });
+            }
+        }
+        for color in &pass.colors {
+            let Some(resolve) = color.resolve else { continue };
+            let (from, into) = (self.slot_of(pass, color.slot)?, self.slot_of(pass, resolve)?);
+            let fits = match (&from.kind, &into.kind) {
+                (
+                    SlotKind::Texture { format, size_px, samples, .. },
+                    SlotKind::Texture { format: f, size_px: s, layers: 1, samples: 1 },
+                ) => *samples > 1 && format == f && size_px == s,
+                _ => false,
+            };
+            if !fits {
+                let (from, into) = (from.to_string(), into.to_string());
+                return Err(PlanError::Resolve { pass: pass.name.clone(), from, into });
+            }
         }
         Ok(())
     }
@@ -190,15 +235,18 @@ impl FramePlan {
             | (SlotKind::Image { .. }, Binding::Texture(_)) => {
                 return Ok(());
             }
-            (SlotKind::Texture { .. }, Binding::Texture(_) | Binding::TextureArray(_)) => {}
-            (SlotKind::Texture { layers, .. }, Binding::TextureLayer(_, layer)) if layer < layers => {}
+            (SlotKind::Texture { .. }, Binding::Texture(_)) => {}
+            // Multisampled textures have no array views.
+            (SlotKind::Texture { samples: 1, .. }, Binding::TextureArray(_)) => {}
+            (SlotKind::Texture { layers, samples: 1, .. }, Binding::TextureLayer(_, layer))
+                if layer < layers => {}
             (SlotKind::Texture { format, .. }, Binding::StencilOf(_)) if format.has_stencil_aspect() => {}
             _ => return Err(wrong_kind(pass, slot, "what its binding says")),
         }
         if !written.iter().any(|(written, _)| *written == id) {
             return Err(PlanError::ReadBeforeWrite { pass: pass.name.clone(), slot: slot.name.clone() });
         }
-        let written_here = pass.colors.iter().any(|color| color.slot == id)
+        let written_here = pass.colors.iter().any(|color| color.slot == id || color.resolve == Some(id))
             || pass.depth.as_ref().is_some_and(|depth| {
                 depth.slot == id
                     && (depth.depth != Access::ReadOnly

@@ -1,6 +1,7 @@
 //! Why shadows were refused.
 
 use thiserror::Error;
+use wgpu::TextureFormat;
 
 use super::OptionError;
 use crate::plan::PlanError;
@@ -49,6 +50,10 @@ pub enum ShadowError {
     MissingFeature { node: String, technique: &'static str, needed: String, adapter: String },
     #[error("shadow node '{node}' ({technique}): {reason}")]
     Unsupported { node: String, technique: &'static str, reason: String },
+    #[error(
+        "shadow node '{node}' ({technique}) computes one factor for each fragment, in {format:?}; antialias msaa4 needs one for each sample (accepted for it: antialias none, ssaa4)"
+    )]
+    NotPerSample { node: String, technique: &'static str, format: TextureFormat },
     #[error("the frame plan is not valid: {0}")]
     Plan(#[from] PlanError),
 }

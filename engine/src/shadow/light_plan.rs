@@ -34,6 +34,15 @@ pub enum Channels {
 
 /// The lights that may have smooth terminators: a bit for each of them goes with every instance.
 pub const MAX_SMOOTH_LIGHTS: usize = 32;
+impl Channels {
+    /// The format of visibility targets that hold these.
+    pub fn format(self) -> TextureFormat {
+        match self {
+            Self::One => TextureFormat::R16Float,
+            Self::Rgb => TextureFormat::Rgba16Float,
+        }
+    }
+}
 
 /// The frame plan as one technique sees it while it serves one light.
 #[derive(Debug)]
@@ -61,6 +70,7 @@ pub struct LightPlan<'a> {
     pub(crate) darkening: &'a mut Option<Darkening>,
     pub(crate) darkens: &'a mut bool,
     pub(crate) smooth_terminators: &'a mut Vec<u32>,
+    pub(crate) visible_triangles: &'a mut Option<SlotId>,
 }
 
 /// The one darkening of a frame's finished picture.
@@ -80,6 +90,11 @@ impl<'a> LightPlan<'a> {
     /// The light.
     pub fn light(&self) -> &'a PosedLight {
         &self.posed.lights[self.light_index]
+    }
+
+    /// The light's number: its place in [`Posed::lights`] and in the `lights` of `common/lights`.
+    pub fn light_index(&self) -> usize {
+        self.light_index
     }
 
     /// The shadow node's name.
@@ -110,6 +125,17 @@ impl<'a> LightPlan<'a> {
     /// The depth of the receivers, for sampling in a pass that does not attach it.
     pub fn receiver_depth(&self) -> SlotId {
         self.depth
+    }
+
+    /// The visible triangle of every pixel, as `texture_2d<u32>`: the index of its instance and its own number in that
+    /// instance's mesh; `0xffffffff` where nothing is seen. In the plan only when some technique calls this, or
+    /// somebody measures.
+    pub fn visible_triangles(&mut self) -> SlotId {
+        let builder = &mut *self.builder;
+        *self.visible_triangles.get_or_insert_with(|| {
+            let reason = "a technique asks which triangle each pixel shows";
+            builder.texture("visible triangles", TextureFormat::Rg32Uint, 1, reason)
+        })
     }
 
     /// The attachment for a pass that tests against the receivers' depth and leaves depth and stencil alone.
@@ -192,7 +218,7 @@ impl<'a> LightPlan<'a> {
     pub fn multiply_visibility(&mut self, channels: Channels) -> ColorTarget {
         let load = if self.uses_visibility.is_none() { Load::Clear([1.0; 4]) } else { Load::Keep };
         *self.uses_visibility = (*self.uses_visibility).max(Some(channels));
-        ColorTarget { slot: self.visibility, layer: self.visibility_layer, load }
+        ColorTarget { slot: self.visibility, layer: self.visibility_layer, load, resolve: None }
     }
 
     /// Adds a buffer; see [`PlanBuilder::buffer`].

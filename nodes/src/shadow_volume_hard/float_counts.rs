@@ -37,7 +37,7 @@ pub(super) fn count_in_float(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) 
     let name = light.light().name.clone();
     let reason = format!("sums of up to {largest}, whatever the order of drawing");
     let counts = light.texture(&format!("counts of {name}"), format, light.view.size_px, 1, &reason);
-    let target = ColorTarget { slot: counts, layer: 0, load: Load::Clear([0.0; 4]) };
+    let target = ColorTarget { slot: counts, layer: 0, load: Load::Clear([0.0; 4]), resolve: None };
     light.pass(volumes_pass(light, volumes.len(), vec![target], light.test_depth(), draws));
     let target = light.multiply_visibility(Channels::One);
     light.pass(Pass {

@@ -4,6 +4,8 @@
 struct Frame {
     clip_from_view: mat4x4f,
     view_from_clip: mat4x4f,
+    // Its last digits are lost far from the world's origin: positions are better brought here by the CPU.
+    view_from_world: mat4x4f,
     size_px: vec2f,
     exposure: f32,
     light_count: u32,

@@ -191,7 +191,7 @@ fn measure_sweep(bench: &Bench<'_>, sweep: &Sweep, steps: &mut Steps<'_>) -> Swe
         let measure = |(value, case): &(f64, crate::cases::Case)| {
             let outcome = match case.scene_with(&entry, &(setting.params)()) {
                 Ok(scene) => {
-                    let request = FrameRequest::new(case.camera.clone(), case.size_px);
+                    let request = case.request();
                     measure_case(&mut renderer, &scene, &request)
                 }
                 Err(error) => StepOutcome::Failed(error.to_string()),

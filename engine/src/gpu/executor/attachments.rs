@@ -25,21 +25,28 @@ pub(super) fn binding_view(scene: &Scene<'_>, binding: &Binding) -> Option<wgpu:
     scene.view(binding.slot(), &descriptor)
 }
 
-pub(super) fn color_view(scene: &Scene<'_>, color: &ColorTarget) -> Option<wgpu::TextureView> {
-    scene.view(
-        color.slot,
-        &wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2),
-            base_array_layer: color.layer,
-            array_layer_count: Some(1),
-            ..Default::default()
-        },
-    )
+/// The view that is drawn into, and the one it is resolved into.
+pub(super) fn color_views(
+    scene: &Scene<'_>,
+    color: &ColorTarget,
+) -> Option<(wgpu::TextureView, Option<wgpu::TextureView>)> {
+    let layer = |slot, base_array_layer| {
+        scene.view(
+            slot,
+            &wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2),
+                base_array_layer,
+                array_layer_count: Some(1),
+                ..Default::default()
+            },
+        )
+    };
+    Some((layer(color.slot, color.layer)?, color.resolve.and_then(|slot| layer(slot, 0))))
 }
 
 pub(super) fn color_attachment<'a>(
     color: &ColorTarget,
-    view: &'a wgpu::TextureView,
+    (view, resolve): &'a (wgpu::TextureView, Option<wgpu::TextureView>),
 ) -> wgpu::RenderPassColorAttachment<'a> {
     let load = match color.load {
         Load::Clear([r, g, b, a]) => wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
@@ -48,7 +55,7 @@ pub(super) fn color_attachment<'a>(
     wgpu::RenderPassColorAttachment {
         view,
         depth_slice: None,
-        resolve_target: None,
+        resolve_target: resolve.as_ref(),
         ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
     }
 }

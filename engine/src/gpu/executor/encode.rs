@@ -4,20 +4,24 @@ use std::collections::HashMap;
 
 use wgpu::TextureFormat;
 
+use super::super::GpuError;
 use super::super::bindings::{BindKind, SampleKind};
 use super::super::groups::{PassGroup, place_of};
-use super::super::materials::{FEATURE_FLAGS, features};
+use super::super::materials::{FEATURE_FLAGS, MASKED, features};
 use super::super::meshes::GpuMesh;
 use super::super::pipelines::{Culling, VertexInput, Wanted};
-use super::attachments::{binding_view, color_attachment, color_view, depth_attachment};
+use super::attachments::{binding_view, color_attachment, color_views, depth_attachment};
 use super::{Executor, GpuSlot};
 use crate::plan::{
-    Binding, BlendState, Draw, Face, FramePlan, Geometry, Pass, Shader, SlotId, SlotKind, SurfaceStyle,
+    Antialias, Binding, BlendState, CompareFunction, Draw, Face, FramePlan, Geometry, Pass, Shader, SlotId,
+    SlotKind, SurfaceStyle,
 };
 use crate::scene::{Instance, Material, Posed};
 
-/// The flags of surface_shade for what a draw reads, by binding number.
-const READ_FLAGS: [&str; 5] = ["COUNTS", "MASK", "VISIBILITY", "ONE_CHANNEL", "SMOOTH_TERMINATOR"];
+/// The flags of surface_shade for what a draw reads, by binding number (the depth of samples is number 3), whether a
+/// visibility has one channel, and whether any light has smooth terminators.
+const READ_FLAGS: [&str; 6] =
+    ["COUNTS", "MASK", "VISIBILITY", "MULTISAMPLED", "ONE_CHANNEL", "SMOOTH_TERMINATOR"];
 
 /// What recording needs to know besides the executor's own stores.
 pub(super) struct Scene<'a> {
@@ -27,11 +31,17 @@ pub(super) struct Scene<'a> {
     pub(super) frame_group: &'a wgpu::BindGroup,
 }
 
-/// The formats of a render pass, and where each plan pass's targets are among them.
-struct PassShape<'a> {
+/// What one draw is recorded with.
+struct Recording<'a> {
+    scene: &'a Scene<'a>,
     group: &'a PassGroup,
-    formats: Vec<TextureFormat>,
+    /// The render pass's colour formats.
+    formats: &'a [TextureFormat],
     depth_format: Option<TextureFormat>,
+    /// Samples of a pixel in all attachments.
+    samples: u32,
+    pass: &'a Pass,
+    draw: &'a Draw,
 }
 
 /// Bind groups made for this group of passes, by what they hold.
@@ -63,20 +73,23 @@ impl Scene<'_> {
 
 impl Executor {
     /// Records one group as one render pass.
+    ///
+    /// # Errors
+    /// What is wrong with a shader or its pipeline.
     pub(super) fn encode_group(
         &mut self,
         scene: &Scene<'_>,
         group: &PassGroup,
         timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
         encoder: &mut wgpu::CommandEncoder,
-    ) {
+    ) -> Result<(), GpuError> {
         let passes = &scene.plan.passes[group.passes.clone()];
-        let views: Vec<_> = group.colors.iter().filter_map(|color| color_view(scene, color)).collect();
+        let views: Vec<_> = group.colors.iter().filter_map(|color| color_views(scene, color)).collect();
         let color_attachments: Vec<_> = group
             .colors
             .iter()
             .zip(&views)
-            .map(|(color, view)| Some(color_attachment(color, view)))
+            .map(|(color, views)| Some(color_attachment(color, views)))
             .collect();
         let depth_view = group.depth.as_ref().and_then(|depth| scene.view(depth.slot, &Default::default()));
         let depth_stencil_attachment =
@@ -91,11 +104,7 @@ impl Executor {
             multiview_mask: None,
         });
         render.set_bind_group(0, scene.frame_group, &[]);
-        let shape = PassShape {
-            group,
-            formats: group.colors.iter().map(|color| scene.format(color.slot)).collect(),
-            depth_format: group.depth.as_ref().map(|depth| scene.format(depth.slot)),
-        };
+        let formats: Vec<_> = group.colors.iter().map(|color| scene.format(color.slot)).collect();
         let mut draw_groups = DrawGroups::new();
         for pass in passes {
             let first = pass.colors.first().map(|c| c.slot).or(pass.depth.as_ref().map(|d| d.slot));
@@ -112,38 +121,38 @@ impl Executor {
                 }
                 let [r, g, b, a] = draw.state.blend_constant;
                 render.set_blend_constant(wgpu::Color { r, g, b, a });
-                self.encode_draw(scene, &shape, pass, draw, &mut draw_groups, &mut render);
+                let recording = Recording {
+                    scene,
+                    group,
+                    formats: &formats,
+                    depth_format: group.depth.as_ref().map(|depth| scene.format(depth.slot)),
+                    samples: first.map_or(1, |slot| scene.plan.slot(slot).samples()),
+                    pass,
+                    draw,
+                };
+                self.encode_draw(&recording, &mut draw_groups, &mut render)?;
             }
         }
+        Ok(())
     }
 
     fn encode_draw(
         &mut self,
-        scene: &Scene<'_>,
-        shape: &PassShape<'_>,
-        pass: &Pass,
-        draw: &Draw,
+        recording: &Recording<'_>,
         groups: &mut DrawGroups,
         render: &mut wgpu::RenderPass<'_>,
-    ) {
+    ) -> Result<(), GpuError> {
+        let Recording { scene, draw, .. } = *recording;
         match &draw.geometry {
             Geometry::Surfaces { style, parts, .. } => {
                 for (index, part) in parts {
-                    self.encode_surface(scene, shape, pass, draw, (*style, *index, *part), groups, render);
+                    self.encode_surface(recording, (*style, *index, *part), groups, render)?;
                 }
             }
             Geometry::Indexed { instance, indices, first, count, record } => {
-                let Some(shader) = &draw.shader else { return };
+                let Some(shader) = &draw.shader else { return Ok(()) };
                 let mesh = &scene.posed.instances[*instance as usize];
-                self.set_pipeline(
-                    scene,
-                    shape,
-                    pass,
-                    draw,
-                    shader,
-                    Surface::Technique { indexed: true },
-                    render,
-                );
+                self.set_pipeline(recording, shader, Surface::Technique { indexed: true }, render)?;
                 let group = self.draw_group(scene, draw, Some(mesh), None, groups);
                 render.set_bind_group(1, &group, &[]);
                 if let GpuSlot::Buffer(buffer) = &scene.slots[indices.0] {
@@ -152,37 +161,24 @@ impl Executor {
                 }
             }
             Geometry::Procedural { vertices, instances } => {
-                let Some(shader) = &draw.shader else { return };
-                self.set_pipeline(
-                    scene,
-                    shape,
-                    pass,
-                    draw,
-                    shader,
-                    Surface::Technique { indexed: false },
-                    render,
-                );
+                let Some(shader) = &draw.shader else { return Ok(()) };
+                self.set_pipeline(recording, shader, Surface::Technique { indexed: false }, render)?;
                 let group = self.draw_group(scene, draw, None, None, groups);
                 render.set_bind_group(1, &group, &[]);
                 render.draw(0..*vertices, 0..*instances);
             }
         }
+        Ok(())
     }
 
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "private, and each is a different thing a surface is drawn with"
-    )]
     fn encode_surface(
         &mut self,
-        scene: &Scene<'_>,
-        shape: &PassShape<'_>,
-        pass: &Pass,
-        draw: &Draw,
+        recording: &Recording<'_>,
         (style, index, part): (SurfaceStyle, u32, u32),
         groups: &mut DrawGroups,
         render: &mut wgpu::RenderPass<'_>,
-    ) {
+    ) -> Result<(), GpuError> {
+        let Recording { scene, draw, .. } = *recording;
         let instance = &scene.posed.instances[index as usize];
         let material = &instance.materials[part as usize];
         let triangles = &instance.mesh.data().parts[part as usize].triangles;
@@ -195,14 +191,14 @@ impl Executor {
         let Some(shader) =
             draw.shader.clone().or_else(|| self.surface_shader(scene, (style, draw), instance, material))
         else {
-            return;
+            return Ok(());
         };
         let surface = Surface::Mesh { style, masked: material.cutoff().is_some(), culling };
-        self.set_pipeline(scene, shape, pass, draw, &shader, surface, render);
+        self.set_pipeline(recording, &shader, surface, render)?;
         let pulled = style.is_pulled().then_some(surface);
         let group = self.draw_group(scene, draw, Some(instance), pulled, groups);
         render.set_bind_group(1, &group, &[]);
-        let Some(mesh) = self.meshes.get(&instance.mesh) else { return };
+        let Some(mesh) = self.meshes.get(&instance.mesh) else { return Ok(()) };
         if surface.has_material()
             && let Some(group) = self.materials.get(material)
         {
@@ -210,33 +206,28 @@ impl Executor {
         }
         if style.is_pulled() {
             render.draw(run, index..index + 1);
-            return;
+            return Ok(());
         }
         render.set_vertex_buffer(0, mesh.positions.slice(..));
         render.set_vertex_buffer(1, mesh.attributes.slice(..));
         render.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
         render.draw_indexed(run, 0, index..index + 1);
+        Ok(())
     }
 
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "private, and each is a different thing a pipeline depends on"
-    )]
     fn set_pipeline(
         &mut self,
-        scene: &Scene<'_>,
-        shape: &PassShape<'_>,
-        pass: &Pass,
-        draw: &Draw,
+        recording: &Recording<'_>,
         shader: &Shader,
         surface: Surface,
         render: &mut wgpu::RenderPass<'_>,
-    ) {
+    ) -> Result<(), GpuError> {
+        let Recording { scene, group, pass, draw, .. } = *recording;
         // Targets of other passes in the group are left alone.
         let mut targets: Vec<(TextureFormat, Option<BlendState>)> =
-            shape.formats.iter().map(|f| (*f, None)).collect();
+            recording.formats.iter().map(|f| (*f, None)).collect();
         for (color, blend) in pass.colors.iter().zip(&draw.state.targets) {
-            if let Some(place) = place_of(&shape.group.colors, color) {
+            if let Some(place) = place_of(&group.colors, color) {
                 targets[place].1 = *blend;
             }
         }
@@ -249,11 +240,13 @@ impl Executor {
             input: surface.input(),
             culling: surface.culling(draw),
             targets,
-            depth_format: shape.depth_format,
+            depth_format: recording.depth_format,
+            samples: recording.samples,
         };
         let Self { gpu, layouts, pipelines, frame_layout, materials, .. } = self;
-        let pipeline = pipelines.get(gpu, layouts, frame_layout, &materials.layout, &wanted);
+        let pipeline = pipelines.get(gpu, layouts, frame_layout, &materials.layout, &wanted)?;
         render.set_pipeline(&pipeline);
+        Ok(())
     }
 
     /// The engine's own shader for a surface, composed with what the draw reads and the material has.
@@ -264,7 +257,13 @@ impl Executor {
         instance: &Instance,
         material: &Material,
     ) -> Option<Shader> {
-        let features = features(material, &instance.mesh, scene.posed.lights.len());
+        let mut features = features(material, &instance.mesh, scene.posed.lights.len());
+        if scene.plan.antialias == Antialias::Multisample4
+            && draw.state.depth_compare == CompareFunction::Equal
+        {
+            // The prepass has cut the holes; a fragment whose middle is in one may still have samples beside it.
+            features &= !(1 << MASKED);
+        }
         let (name, fragment): (&str, Option<&'static str>) = match style {
             SurfaceStyle::Depth if material.cutoff().is_some() => ("surface_shade", Some("masked_depth")),
             SurfaceStyle::Depth => ("surface_depth", None),
@@ -276,8 +275,8 @@ impl Executor {
         // A texture of one channel reads as (r, 0, 0, 1): its one factor is that of all colours.
         let one_channel =
             |(_, binding): &(u32, Binding)| scene.format(binding.slot()) == TextureFormat::R16Float;
-        read |= u32::from(draw.bindings.iter().any(one_channel)) << 3;
-        read |= u32::from(scene.plan.lights.iter().any(|light| !light.smooth_terminators.is_empty())) << 4;
+        read |= u32::from(draw.bindings.iter().any(one_channel)) << 4;
+        read |= u32::from(scene.plan.lights.iter().any(|light| !light.smooth_terminators.is_empty())) << 5;
         let shader = self.surface_shaders.entry((style, read, features)).or_insert_with(|| {
             let read_flags = READ_FLAGS.iter().enumerate().filter(|(bit, _)| read >> bit & 1 == 1);
             let has_flags = FEATURE_FLAGS.iter().enumerate().filter(|(bit, _)| features >> bit & 1 == 1);
@@ -391,11 +390,16 @@ fn draw_kinds(scene: &Scene<'_>, draw: &Draw, surface: Surface) -> Vec<(u32, Bin
     let mut kinds: Vec<_> = (0..surface.own_bindings()).map(|binding| (binding, BindKind::Storage)).collect();
     for (number, binding) in &draw.bindings {
         let sample = SampleKind::of(scene.format(binding.slot()));
+        let multisampled = scene.plan.slot(binding.slot()).samples() > 1;
         let kind = match binding {
             Binding::Storage(_) => BindKind::Storage,
-            Binding::Texture(_) => BindKind::Texture { sample, array: false },
-            Binding::TextureArray(_) | Binding::TextureLayer(..) => BindKind::Texture { sample, array: true },
-            Binding::StencilOf(_) => BindKind::Texture { sample: SampleKind::Uint, array: false },
+            Binding::Texture(_) => BindKind::Texture { sample, array: false, multisampled },
+            Binding::TextureArray(_) | Binding::TextureLayer(..) => {
+                BindKind::Texture { sample, array: true, multisampled }
+            }
+            Binding::StencilOf(_) => {
+                BindKind::Texture { sample: SampleKind::Uint, array: false, multisampled }
+            }
         };
         kinds.push((*number, kind));
     }
