@@ -391,6 +391,7 @@ fn own_case() -> Case {
         scene,
         camera: request().camera,
         size_px: [256, 256],
+        antialias: Default::default(),
         options: Default::default(),
         answers: &[],
         expect: Expect::Shadow,

@@ -301,6 +301,7 @@ fn what_the_adapter_lacks_for_an_option_is_named() {
         name: "Old GPU",
         features: Features::all() - features,
         max_size_px: 4096,
+        ..Adapter::imagined()
     };
     let try_without = |scene: &Scene, features, request: &FrameRequest| {
         let catalog = shadowgraph_nodes::catalog();

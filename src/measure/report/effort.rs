@@ -64,18 +64,18 @@ impl Effort {
     pub const QUICK: Self = Self {
         name: "quick",
         parts: ALL_PARTS,
-        size_px: [480, 270],
-        scene_pace: pace(5, 15, 1_500),
-        pass_frames: 3,
+        size_px: [400, 225],
+        scene_pace: pace(3, 15, 1_000),
+        pass_frames: 2,
         axis_size_px: [320, 180],
-        axis_pace: pace(5, 9, 300),
+        axis_pace: pace(3, 9, 200),
         steps: Steps {
             triangles: &[1_000, 3_000, 10_000, 30_000],
             lights: &[1, 2, 4, 8],
             casters: &[1, 8, 32, 128, 256],
             sizes_px: &[[256, 256], [362, 362], [512, 512], [724, 724]],
         },
-        sweep_stride: 3,
+        sweep_stride: 5,
         all_settings: false,
     };
 

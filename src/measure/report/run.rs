@@ -6,13 +6,14 @@ use shadowgraph_engine::scene::Scene;
 use shadowgraph_engine::shadow::{Catalog, Setting, ShadowError, TechniqueEntry};
 
 use super::super::timing::{Runner, Spread, take_turns};
-use super::super::{EvaluateError, evaluate};
+use super::super::{EvaluateError, KnownReferences, evaluate_again};
 use super::axes::{self, Axis, AxisScene};
 use super::data::{AxisReport, AxisStep, Report, ReportScene, StepOutcome, SweepReport, SweepStep, label};
 use super::effort::Effort;
 use super::references::References;
 use super::scene::{self, with_technique, without_shadows};
 use super::totals::Totals;
+use crate::cases::Case;
 use crate::cases::sweeps::{self, Sweep};
 
 /// Told how many steps are done, of how many, and what comes next.
@@ -182,23 +183,23 @@ fn measure_sweep(bench: &Bench<'_>, sweep: &Sweep, steps: &mut Steps<'_>) -> Swe
     let all = sweep.steps();
     let last = all.len().saturating_sub(1);
     let stride = bench.effort.sweep_stride.max(1);
-    let taken = || all.iter().enumerate().filter(|(i, _)| i % stride == 0 || *i == last).map(|(_, s)| s);
+    let taken: Vec<&(f64, Case)> =
+        all.iter().enumerate().filter(|(i, _)| i % stride == 0 || *i == last).map(|(_, step)| step).collect();
+    // Traced once for all techniques and settings.
+    let mut known = vec![KnownReferences::default(); taken.len()];
     let mut techniques = Vec::new();
     for (entry, setting) in bench.tried_settings() {
         let label = label(entry.short_name, setting.name);
         steps.next(&format!("sweep {}: {label}", sweep.id));
         let mut renderer = bench.renderer();
-        let measure = |(value, case): &(f64, crate::cases::Case)| {
+        let measure = |((value, case), known): (&&(f64, Case), &mut KnownReferences)| {
             let outcome = match case.scene_with(&entry, &(setting.params)()) {
-                Ok(scene) => {
-                    let request = case.request();
-                    measure_case(&mut renderer, &scene, &request)
-                }
+                Ok(scene) => measure_case(&mut renderer, &scene, case, known),
                 Err(error) => StepOutcome::Failed(error.to_string()),
             };
             SweepStep { value: *value, outcome }
         };
-        techniques.push((label, taken().map(measure).collect()));
+        techniques.push((label, taken.iter().zip(&mut known).map(measure).collect()));
     }
     SweepReport {
         id: sweep.id,
@@ -211,8 +212,14 @@ fn measure_sweep(bench: &Bench<'_>, sweep: &Sweep, steps: &mut Steps<'_>) -> Swe
     }
 }
 
-fn measure_case(renderer: &mut Renderer, scene: &Scene, request: &FrameRequest) -> StepOutcome<Totals> {
-    match evaluate(renderer, scene, request, &|_, _| {}) {
+fn measure_case(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    case: &Case,
+    known: &mut KnownReferences,
+) -> StepOutcome<Totals> {
+    let request = case.request();
+    match evaluate_again(renderer, scene, &request, known, &|_, _| {}) {
         Ok(found) => StepOutcome::Measured(Totals::of(&found.errors, &found.measured, &found.reference)),
         Err(EvaluateError::Render(error)) => unmeasured(&error),
         Err(error) => StepOutcome::Failed(error.to_string()),

@@ -139,7 +139,7 @@ pub(super) fn count(count: usize) -> String {
 fn grouped(whole: &str) -> String {
     let mut grouped = String::new();
     for (i, c) in whole.chars().enumerate() {
-        if i > 0 && (whole.len() - i) % 3 == 0 && whole.len() > 4 {
+        if i > 0 && (whole.len() - i).is_multiple_of(3) && whole.len() > 4 {
             grouped.push('\u{2009}');
         }
         grouped.push(c);
