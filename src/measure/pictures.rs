@@ -85,7 +85,7 @@ pub fn error_map_png(
     let exact = reference.lights.iter().find(|l| l.name == light).ok_or_else(|| missing("reference"))?;
     let size_px = reference.size_px;
     let one_each = |count: usize| holds(size_px, count);
-    let one_or_rgb = |count: usize| one_each(count) || (count % 3 == 0 && one_each(count / 3));
+    let one_or_rgb = |count: usize| one_each(count) || (count.is_multiple_of(3) && one_each(count / 3));
     for (count, fits) in [
         (factor.len(), one_or_rgb(factor.len())),
         (exact.factor.len(), one_or_rgb(exact.factor.len())),

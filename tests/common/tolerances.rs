@@ -99,6 +99,7 @@ pub(crate) const ROWS: &[Row] = &[
             ("grazing-sun", lids(0.001)),
             ("field-of-view-in-shadow", lids(0.06)),
             ("msaa/in-shadow", lids(0.03)),
+            ("skinned-extreme/parted", lids(0.001)),
             // Cracks that a lid closes.
             ("sliver", lids(0.001)),
             ("t-junction", lids(0.001)),
@@ -107,8 +108,8 @@ pub(crate) const ROWS: &[Row] = &[
     },
     // Float counters have no samples: four a pixel are refused.
     Row { except: &[("msaa", Tolerance::ExactWhereAccepted)], ..exact(HARD, "float") },
-    // One darkening for all lights leaves out what is no count: masked casters.
-    forced(HARD, "single", 230),
+    // Masked parts are no counts, which is all that a single pass takes.
+    Row { except: &[("alpha-mask", Tolerance::Refused)], ..exact(HARD, "single") },
     exact(HARD, "smooth"),
     // Its factors are computed for each fragment: four samples a pixel are refused.
     Row { except: &[("msaa", Tolerance::ExactWhereAccepted)], ..exact("Reference", "default") },
