@@ -164,9 +164,12 @@ impl Mask {
     }
 }
 
+/// Corners, and the holes of the material if it has any.
+type BareTriangle = ([DVec3; 3], Option<Mask>);
+
 /// A posed scene as bare triangles, one box for each instance.
 struct Soup {
-    instances: Vec<(Aabb, Vec<([DVec3; 3], Option<Mask>)>)>,
+    instances: Vec<(Aabb, Vec<BareTriangle>)>,
     glass: Vec<Glass>,
 }
 

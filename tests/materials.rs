@@ -141,7 +141,7 @@ fn occlusion_dims_ambient_light_by_its_strength_and_no_other() {
         let texture = TextureRef { tex_coord: TexCoord::Second, ..texture };
         floor.material.occlusion_texture = occluded.then_some((texture, 0.5));
         if ambient == 0.0 {
-            floor = floor.sun(DVec3::NEG_Y)
+            floor = floor.sun(DVec3::NEG_Y);
         }
         floor.radiance(&mut renderer)
     };

@@ -1,5 +1,7 @@
 //! What the options of `ShadowVolumeHard` change in a plan, and what they refuse; no GPU.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 mod common;
 
 use common::*;

@@ -404,7 +404,7 @@ fn what_does_not_fit_is_named() {
     });
     refused(&["'input'", "accessor 7", "has 5"], |d| d["animations"][0]["samplers"][0]["input"] = 7.into());
     refused(&["interpolation", "CUBICSPLINE"], |d| {
-        d["animations"][0]["samplers"][0]["interpolation"] = "QUICK".into()
+        d["animations"][0]["samplers"][0]["interpolation"] = "QUICK".into();
     });
     refused(&["sampler 0", "9 values for 3 keys", "27"], |d| {
         d["animations"][0]["samplers"][0]["interpolation"] = "CUBICSPLINE".into();
@@ -460,7 +460,7 @@ fn what_is_left_out_is_said() {
         d["meshes"][0]["primitives"][0]["attributes"] = json!({ "POSITION": 0 });
     });
     warned("'pointer' are ignored", &|d| {
-        d["animations"][0]["channels"][0]["target"]["path"] = "pointer".into()
+        d["animations"][0]["channels"][0]["target"]["path"] = "pointer".into();
     });
     warned("without a node", &|d| d["animations"][0]["channels"][0]["target"] = json!({ "path": "scale" }));
     warned("skin without a mesh", &|d| d["nodes"][1]["skin"] = 0.into());
