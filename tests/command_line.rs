@@ -197,6 +197,24 @@ fn json_holds_everything_measured() {
 }
 
 #[test]
+fn a_sheet_shows_picture_reference_and_errors() {
+    let Some(folder) = yard_on_gpu() else { return };
+    render(&folder, "--sheet sheet.png");
+    let (alone, sheet) = (picture(&folder.path("out.png")), picture(&folder.path("sheet.png")));
+    let (width, height) = alone.dimensions();
+    assert_eq!(sheet.dimensions(), (width * 3 + 12, height));
+    let same = alone.enumerate_pixels().filter(|(x, y, pixel)| sheet.get_pixel(*x, *y) == *pixel).count();
+    assert_eq!(same as u32, width * height, "the picture stands at the left");
+    // The factor's column has lit and shadowed pixels.
+    let column = |from: u32| {
+        (0..height).flat_map(move |y| (0..width).map(move |x| (x + from, y))).collect::<Vec<(u32, u32)>>()
+    };
+    let whites = column(width + 6).iter().filter(|(x, y)| sheet.get_pixel(*x, *y).0[0] == 255).count();
+    assert!(whites > 100 && whites < (width * height) as usize - 10, "{whites} lit pixels");
+    folder.refuses(2, "render yard.glb -o twice.png --sheet twice.png");
+}
+
+#[test]
 fn techniques_replace_the_scenes_own() {
     let Some(folder) = yard_on_gpu() else { return };
     let with = |technique: &str| {

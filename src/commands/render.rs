@@ -36,6 +36,9 @@ pub(crate) struct RenderArgs {
     /// Compares every shadowed light with the exact reference and prints the error.
     #[arg(long)]
     error: bool,
+    /// Writes the picture beside the reference's factor and the error map of every shadowed light, as one PNG.
+    #[arg(long, value_name = "FILE.png")]
+    sheet: Option<PathBuf>,
     /// Times this many frames after a warm-up.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: Option<u32>,
@@ -84,7 +87,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     // Where the results go is checked before any time is spent on them.
     let mut outputs = Outputs::beside(&args.scene.scene);
     outputs.reserve(&args.output)?;
-    args.json.iter().try_for_each(|path| outputs.reserve(path))?;
+    args.json.iter().chain(&args.sheet).try_for_each(|path| outputs.reserve(path))?;
     args.visibility.iter().try_for_each(|folder| outputs.make_folder(folder))?;
 
     let mut gpu = open_gpu(args.adapter.as_deref())?;
@@ -99,7 +102,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         Some(frames) => Some(time_frames(&mut renderer, &scene, &request, frames as usize)?),
         None => None,
     };
-    let evaluation = if args.error { Some(with_progress(&mut renderer, &scene, &request)?) } else { None };
+    let judged = args.error || args.sheet.is_some();
+    let evaluation = if judged { Some(with_progress(&mut renderer, &scene, &request)?) } else { None };
 
     if let Some(folder) = &args.visibility {
         // Factors take passes of their own, which are no part of what was timed.
@@ -114,7 +118,12 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         outputs.stage_bytes(path, format!("{text}\n").as_bytes())?;
     }
     if let Some(picture) = &frame.picture {
-        outputs.stage_bytes(&args.output, &files::png(picture)?)?;
+        let png = files::png(picture)?;
+        if let (Some(path), Some(Evaluation { measured, reference, .. })) = (&args.sheet, &evaluation) {
+            let sheet = pictures::sheet_png(path, &png, measured, reference).map_err(other)?;
+            outputs.stage_bytes(path, &sheet)?;
+        }
+        outputs.stage_bytes(&args.output, &png)?;
     }
     outputs.commit()?;
     if let Some(timed) = &timed {

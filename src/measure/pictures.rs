@@ -4,7 +4,7 @@ use std::fs;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-use image::{DynamicImage, ImageBuffer, ImageFormat, Rgb};
+use image::{DynamicImage, ImageBuffer, ImageFormat, Rgb, RgbImage, imageops};
 use thiserror::Error;
 
 use super::metrics::{Measured, at, sees_same};
@@ -133,6 +133,50 @@ pub fn factor_png(path: &Path, reference: &ReferenceImage, light: &str) -> Resul
     });
     rgb_png(path, reference.size_px, shades.collect())
 }
+
+/// A contact sheet as PNG: `picture_png` at the left, beside it for each light the reference's factor and the error map, one
+/// light below the other; `path` says in errors what the sheet is for.
+///
+/// # Errors
+/// [`PictureError`] names the path.
+pub fn sheet_png(
+    path: &Path,
+    picture_png: &[u8],
+    measured: &Measured,
+    reference: &ReferenceImage,
+) -> Result<Vec<u8>, PictureError> {
+    let decode = |png: &[u8]| {
+        let decoded = image::load_from_memory_with_format(png, ImageFormat::Png);
+        decoded
+            .map(|image| image.into_rgb8())
+            .map_err(|source| PictureError::Encode { path: path.into(), source })
+    };
+    let picture = decode(picture_png)?;
+    let (width, height) = picture.dimensions();
+    let rows = measured.lights.len().max(1) as u32;
+    let mut sheet = RgbImage::from_pixel(
+        width * 3 + SHEET_GAP_PX * 2,
+        height * rows + SHEET_GAP_PX * (rows - 1),
+        Rgb([255; 3]),
+    );
+    let mut place = |image: &RgbImage, column: u32, row: u32| {
+        let step = |size: u32, number: u32| i64::from((size + SHEET_GAP_PX) * number);
+        imageops::replace(&mut sheet, image, step(width, column), step(height, row));
+    };
+    place(&picture, 0, 0);
+    for (row, (light, _)) in measured.lights.iter().enumerate() {
+        let maps = [factor_png(path, reference, light)?, error_map_png(path, measured, reference, light)?];
+        for (column, png) in maps.iter().enumerate() {
+            // Factors of several samples a pixel have a texel for each.
+            let map = imageops::resize(&decode(png)?, width, height, imageops::FilterType::Triangle);
+            place(&map, column as u32 + 1, row as u32);
+        }
+    }
+    encode(path, &DynamicImage::ImageRgb8(sheet), ImageFormat::Png)
+}
+
+/// White between the pictures of a sheet, in pixels.
+const SHEET_GAP_PX: u32 = 6;
 
 fn rgb_png(path: &Path, size_px: [u32; 2], pixels: Vec<u8>) -> Result<Vec<u8>, PictureError> {
     let count = pixels.len() / 3;

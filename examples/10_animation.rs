@@ -1,7 +1,7 @@
 //! What moves casts where it is: a skinned, morphing, animated scene at five times, with the error and the frame time of
 //! each.
 //!
-//! `cargo run --example 09_animation [FILE.glb]` prints a row for each time and draws `out/09_animation-<n>.png`; without a
+//! `cargo run --example 10_animation [FILE.glb]` prints a row for each time and draws `out/10_animation-<n>.png`; without a
 //! file it shows the demo scene "tentacles".
 #![allow(clippy::print_stdout, reason = "printing its measurements is what it is for")]
 
@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             sum(|error| error.wrong),
             sum(|error| error.wrong_outside_band),
         );
-        common::picture(&mut renderer, &scene, &camera, Exposure::Auto, &format!("09_animation-{step}"))?;
+        common::picture(&mut renderer, &scene, &camera, Exposure::Auto, &format!("10_animation-{step}"))?;
     }
     Ok(())
 }
