@@ -159,6 +159,10 @@ fn is_dark(receiver: Receiver) -> bool {
         // No difference of infinities: what is that far out is clamped anyway.
         let middle = clamp(ndc, vec2f(-1e9), vec2f(1e9));
         let reach = min(uncertain, vec2f(2e9));
+        // Every caster is within the planes' view.
+        if any(abs(middle) - reach > vec2f(1.00001)) {
+            continue;
+        }
         let last = f32(side) - 1.0;
         let low = vec2u(clamp(floor(((middle - reach) * 0.5 + 0.5) * f32(side)), vec2f(0.0), vec2f(last)));
         let high = vec2u(clamp(floor(((middle + reach) * 0.5 + 0.5) * f32(side)), vec2f(0.0), vec2f(last)));

@@ -13,7 +13,7 @@ use shadowgraph_engine::geometry::LightGrid;
 /// The most cells along a side: their rounding is below the grid's margin, in f32 too.
 const FINEST: usize = 1024;
 /// Cells and entries of lists may be as many as these, or as many for each triangle: below what every adapter can bind.
-const LEAST_BUDGET: usize = 1 << 17;
+const LEAST_BUDGET: usize = 1 << 19;
 const BUDGET_PER_TRIANGLE: usize = 16;
 const LARGEST_BUDGET: usize = 1 << 23;
 
