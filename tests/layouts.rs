@@ -80,7 +80,8 @@ fn masked_volumes() {
 /// A structure that a shader binds and no test compares would drift unseen.
 #[test]
 fn every_structure_bound_as_data_is_compared() {
-    let compared = ["Frame", "Instance", "Light", "MaskedCasters", "MaskedTriangle", "Material", "Volume"];
+    let compared =
+        ["Frame", "Instance", "Light", "MaskedCasters", "MaskedCone", "MaskedTriangle", "Material", "Volume"];
     for name in shadowgraph_shaders::names() {
         let module = parse(name, &[]);
         for (_, variable) in module.global_variables.iter() {

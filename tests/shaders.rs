@@ -10,7 +10,7 @@ const EXCLUSIVE: &[(&str, [&str; 2])] = &[("surface_factor", ["COUNTS", "VISIBIL
 /// What plans, and the engine's own styles, ask of each module: at least these flags and entry points must be there.
 const USED: &[(&str, &[&str], &[&str])] = &[
     ("average_pixels", &[], &["fullscreen_vertex", "average"]),
-    ("masked_volume", &["BASE_COLOR_TEXTURE"], &["vertex", "darken"]),
+    ("masked_volume", &["BASE_COLOR_TEXTURE"], &["fullscreen_vertex", "darken"]),
     ("nothing", &[], &["nothing"]),
     ("resolve_mask", &[], &["fullscreen_vertex", "mark", "darken"]),
     ("sample_images", &["COUNTS"], &["fullscreen_vertex", "triangle", "factor"]),

@@ -258,29 +258,28 @@ impl ShadowVolumeHard {
         Ok(volumes)
     }
 
-    /// Casts the masked parts of all casters that can matter.
+    /// Casts the masked parts of all casters, if one of them can matter: what the light sees of them is then kept
+    /// however the eye turns.
     fn cast_masks(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        let mut masked = Vec::new();
-        for (_, instance) in light.casters() {
-            let casts = instance.materials.iter().any(|material| material.casts_by_texel());
-            if !casts || light.may_shadow(&instance.world_bounds).is_err() {
-                continue;
+        let has_masks =
+            |instance: &Instance| instance.materials.iter().any(|material| material.casts_by_texel());
+        let masked: Vec<&Instance> =
+            light.casters().map(|(_, instance)| instance).filter(|instance| has_masks(instance)).collect();
+        let mut matter = masked.iter().filter(|instance| light.may_shadow(&instance.world_bounds).is_ok());
+        let Some(first) = matter.next() else { return Ok(()) };
+        let refusal = match (self.geometry, self.passes) {
+            (GeometryMode::Closed, _) => {
+                "geometry=closed, but '{}' has masked parts (accepted for it: auto, open)"
             }
-            let refusal = match (self.geometry, self.passes) {
-                (GeometryMode::Closed, _) => {
-                    "geometry=closed, but '{}' has masked parts (accepted for it: auto, open)"
-                }
-                (_, Passes::Single { .. }) => {
-                    "passes=single, but '{}' has masked parts, which are no counts (accepted for it: multi)"
-                }
-                _ => {
-                    masked.push((instance, self.end(light, instance)?));
-                    continue;
-                }
-            };
-            return Err(light.unsupported(refusal.replace("{}", &instance.name)));
-        }
-        masked::cast(light, &masked)
+            (_, Passes::Single { .. }) => {
+                "passes=single, but '{}' has masked parts, which are no counts (accepted for it: multi)"
+            }
+            _ => {
+                masked::cast(light, &masked);
+                return Ok(());
+            }
+        };
+        Err(light.unsupported(refusal.replace("{}", &first.name)))
     }
 
     /// The triangles the caster casts with: its own, and those that close it where it is open.

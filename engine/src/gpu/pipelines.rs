@@ -26,7 +26,6 @@ pub(crate) enum Culling {
     Back,
     /// Back faces of an instance whose transform mirrors.
     BackMirrored,
-    Front,
 }
 
 /// Everything that makes two pipelines different.
@@ -217,13 +216,9 @@ fn create(
             topology: wgpu::PrimitiveTopology::TriangleList,
             front_face: match wanted.culling {
                 Culling::BackMirrored => wgpu::FrontFace::Cw,
-                Culling::None | Culling::Back | Culling::Front => wgpu::FrontFace::Ccw,
+                Culling::None | Culling::Back => wgpu::FrontFace::Ccw,
             },
-            cull_mode: match wanted.culling {
-                Culling::None => None,
-                Culling::Back | Culling::BackMirrored => Some(wgpu::Face::Back),
-                Culling::Front => Some(wgpu::Face::Front),
-            },
+            cull_mode: (wanted.culling != Culling::None).then_some(wgpu::Face::Back),
             unclipped_depth: state.depth_clamp,
             ..Default::default()
         },

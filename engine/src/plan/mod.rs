@@ -17,8 +17,8 @@ pub use builder::PlanBuilder;
 pub use validate::PlanError;
 /// Plain enumerations of the graphics API that plans are written in.
 pub use wgpu::{
-    BlendComponent, BlendFactor, BlendOperation, BlendState, ColorWrites, CompareFunction, Face,
-    StencilFaceState, StencilOperation, TextureFormat,
+    BlendComponent, BlendFactor, BlendOperation, BlendState, ColorWrites, CompareFunction, StencilFaceState,
+    StencilOperation, TextureFormat,
 };
 
 use crate::scene::ImageKey;
@@ -221,8 +221,6 @@ pub struct DrawState {
     pub depth_write: bool,
     /// Whether depths beyond near and far are clamped instead of clipped.
     pub depth_clamp: bool,
-    /// Which faces of what a technique draws are dropped, as the eye sees them; surfaces go by their materials.
-    pub culled: Option<Face>,
     /// What happens in the stencil; `None` leaves it alone.
     pub stencil: Option<Stencil>,
     /// For each colour attachment of the pass: how it is blended, or `None` to leave it alone.
@@ -238,7 +236,6 @@ impl DrawState {
             depth_compare,
             depth_write: false,
             depth_clamp: false,
-            culled: None,
             stencil: None,
             targets,
             blend_constant: [0.0; 4],

@@ -165,13 +165,6 @@ impl<'a> LightPlan<'a> {
         (DepthTarget { slot: self.depth, depth: Access::ReadOnly, stencil: Some(Access::Keep) }, before)
     }
 
-    /// The attachment for a pass that tests against the receivers' depth, or samples it, and leaves depth and stencil
-    /// as they are.
-    pub fn test_receiver_depth(&self) -> DepthTarget {
-        // Whether there is a stencil is known when all lights are planned: the assembly adds it.
-        DepthTarget { slot: self.depth, depth: Access::ReadOnly, stencil: None }
-    }
-
     /// The bound on what others have counted in the stencil for this light so far; after
     /// [`LightPlan::darken_once`], for all lights that it was called for.
     pub fn counts_before(&self) -> u32 {

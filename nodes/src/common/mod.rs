@@ -3,5 +3,6 @@
 pub mod culling;
 pub mod extrusion;
 pub mod layer_groups;
+pub mod light_lists;
 pub mod masked;
 pub mod volume;

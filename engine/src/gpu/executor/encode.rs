@@ -13,7 +13,7 @@ use super::super::pipelines::{Culling, VertexInput, Wanted};
 use super::attachments::{binding_view, color_attachment, color_views, depth_attachment};
 use super::{Executor, GpuSlot};
 use crate::plan::{
-    Antialias, Binding, BlendState, CompareFunction, Draw, Face, FramePlan, Geometry, Pass, Shader, SlotId,
+    Antialias, Binding, BlendState, CompareFunction, Draw, FramePlan, Geometry, Pass, Shader, SlotId,
     SlotKind, SurfaceStyle,
 };
 use crate::scene::{Instance, Material, Posed};
@@ -238,7 +238,7 @@ impl Executor {
             kinds: &kinds,
             with_material: surface.has_material(),
             input: surface.input(),
-            culling: surface.culling(draw),
+            culling: if let Surface::Mesh { culling, .. } = surface { culling } else { Culling::None },
             targets,
             depth_format: recording.depth_format,
             samples: recording.samples,
@@ -362,16 +362,6 @@ impl Surface {
             Self::Mesh { style: SurfaceStyle::Pulled, .. } => 2,
             Self::Technique { indexed: true } => 1,
             _ => 0,
-        }
-    }
-
-    /// Which faces are dropped when `draw` shows it.
-    fn culling(self, draw: &Draw) -> Culling {
-        match (self, draw.state.culled) {
-            (Self::Mesh { culling, .. }, _) => culling,
-            (Self::Technique { .. }, None) => Culling::None,
-            (Self::Technique { .. }, Some(Face::Back)) => Culling::Back,
-            (Self::Technique { .. }, Some(Face::Front)) => Culling::Front,
         }
     }
 
