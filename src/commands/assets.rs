@@ -20,7 +20,9 @@ pub(crate) fn run(args: &AssetsArgs) -> Result<(), Failure> {
     files::make_folder(&args.folder)?;
     for (name, shows, scene) in demo::all() {
         let path = args.folder.join(format!("{name}.glb"));
-        gltf::save(&scene, &path)?;
+        for warning in gltf::save(&scene, &path)? {
+            note!("{}: {warning}", path.display());
+        }
         out!("{}: {shows}", path.display());
     }
     Ok(())
