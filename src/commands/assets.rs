@@ -6,7 +6,7 @@ use clap::Args;
 use shadowgraph::demo;
 use shadowgraph::engine::gltf;
 
-use super::output::out;
+use super::output::{note, out};
 use super::{Failure, files};
 
 /// The arguments of `assets`.

@@ -137,8 +137,8 @@ impl SurfaceFunction {
         self.checked.get_or_init(|| self.checked_anew()).clone()
     }
 
-    /// `shader` with the text behind it.
-    pub(crate) fn appended_to(&self, mut shader: String) -> String {
+    /// `shader`, composed with the flag `SURFACE_FUNCTION`, with the text behind it.
+    pub fn appended_to(&self, mut shader: String) -> String {
         shader.push_str(&self.wgsl);
         if !declared(&self.wgsl).iter().any(|(_, _, name)| *name == "outgoing") {
             shader.push_str("\n");
