@@ -12,7 +12,7 @@ use thiserror::Error;
 use wgpu::naga;
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
 
-use super::wgsl_names::{declared, names, place_of};
+use super::wgsl_names::{declared, names, place_of, too_nested};
 
 /// The function every text must define.
 const REFLECTED: &str = "fn reflected(surface: Surface, light: LightArriving) -> vec3f";
@@ -25,6 +25,12 @@ const WANTED: [(&str, &str, &[&str]); 2] = [
     ("reflected", REFLECTED, &["Surface", "LightArriving"]),
     ("outgoing", OUTGOING, &["Surface", "vec3f", "vec3f", "vec3f"]),
 ];
+
+/// Compilers recurse into brackets, branches and the terms of a sum, and a stack has an end: so deep, and so many names
+/// and signs in a statement, is far from it.
+const MAX_DEPTH: usize = 64;
+const MAX_STATEMENT: usize = 1000;
+const TOO_NESTED: &str = "up to 64 brackets within one another, 64 branches in a function and 1000 names and signs in a statement are accepted";
 
 /// Every flag of surface_shade under which it declares a name.
 const ALL_FLAGS: &[&str] = &[
@@ -80,8 +86,8 @@ pub enum SurfaceFunctionError {
 /// `Surface` (where, which way it faces, its base colour, ..) and `LightArriving` (direction, irradiance, factor) are
 /// documented in [`SurfaceFunction::INTERFACE`], with the engine's own `reflect_light(surface, towards_in_view)`: an
 /// ordinary surface reflects `light.factor * light.irradiance * reflect_light(surface, light.towards_in_view)`. Radiances
-/// include the picture's exposure and are tone-mapped like all others. Derivatives (`fwidth`) are allowed where control
-/// flow is uniform; `reflected` is called where it is.
+/// include the picture's exposure and are tone-mapped like all others. Derivatives (`fwidth`) mean something outside of
+/// branches that only some pixels take; both functions are called for all.
 ///
 /// Beside these the text may have functions, constants, structures, aliases and private variables of names that the
 /// engine's shader does not use. Nothing but shading changes: the surface casts and receives as it would without.
@@ -139,12 +145,13 @@ impl SurfaceFunction {
 
     /// `shader`, composed with the flag `SURFACE_FUNCTION`, with the text behind it.
     pub fn appended_to(&self, mut shader: String) -> String {
-        shader.push_str(&self.wgsl);
+        // The last lines are the text's own: whatever it leaves open ends with it.
         if !declared(&self.wgsl).iter().any(|(_, _, name)| *name == "outgoing") {
-            shader.push_str("\n");
             shader.push_str(OUTGOING);
             shader.push_str(OUTGOING_BODY);
+            shader.push('\n');
         }
+        shader.push_str(&self.wgsl);
         shader
     }
 
@@ -174,6 +181,9 @@ impl SurfaceFunction {
                 what,
             })
         };
+        if let Some(at) = too_nested(&self.wgsl, MAX_DEPTH, MAX_STATEMENT) {
+            return not_accepted(at, TOO_NESTED);
+        }
         for (at, kind, name) in declared(&self.wgsl) {
             if kind == "override" {
                 return not_accepted(at, "nothing sets an `override`; a `const` is accepted");
@@ -198,26 +208,29 @@ impl SurfaceFunction {
     /// Parses and validates `shader` with the text behind it, with no optional feature: whatever runs wgpu runs it.
     fn compiled(&self, shader: &str) -> Result<naga::Module, SurfaceFunctionError> {
         let text = self.appended_to(shader.to_owned());
+        let before = text.len() - self.wgsl.len();
         let module = naga::front::wgsl::parse_str(&text).map_err(|error| {
             let spans: Vec<_> = error.labels().map(|(span, _)| span).collect();
             let notes: Vec<&str> = error.notes().collect();
-            self.wrong(shader.len(), &spans, [error.message()].into_iter().chain(notes).collect())
+            self.wrong(before, &spans, [error.message()].into_iter().chain(notes).collect())
         })?;
         let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
         validator.validate(&module).map_err(|error| {
-            let spans: Vec<_> = error.spans().map(|(span, _)| *span).collect();
+            // A function, a statement and an expression within it: the shortest says most.
+            let mut spans: Vec<_> = error.spans().map(|(span, _)| *span).collect();
+            spans.sort_by_key(|span| span.to_range().map(|range| range.len()));
             let mut causes = vec![error.as_inner().to_string()];
             let mut cause = std::error::Error::source(error.as_inner());
             while let Some(deeper) = cause {
                 causes.push(deeper.to_string());
                 cause = deeper.source();
             }
-            self.wrong(shader.len(), &spans, causes.iter().map(String::as_str).collect())
+            self.wrong(before, &spans, causes.iter().map(String::as_str).collect())
         })?;
         Ok(module)
     }
 
-    /// The compiler's message, at the first of its places that lies in this text: the compiler goes from inside out.
+    /// The compiler's message, at the first of its places that lies in this text.
     fn wrong(&self, before: usize, spans: &[naga::Span], messages: Vec<&str>) -> SurfaceFunctionError {
         let (function, message) = (self.name.clone(), messages.join("; "));
         let places = spans.iter().filter_map(|span| span.to_range()?.start.checked_sub(before));

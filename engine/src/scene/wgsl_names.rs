@@ -80,6 +80,29 @@ pub(super) fn place_of(text: &str, name: &str) -> Option<usize> {
     lexemes(text).into_iter().find(|(_, found)| *found == name).map(|(at, _)| at)
 }
 
+/// Where `text` first nests brackets deeper than `depth`, or has more than `length` names and signs in one statement, or
+/// more than `depth` `else`s in one function. Compilers recurse that deep.
+pub(super) fn too_nested(text: &str, depth: usize, length: usize) -> Option<usize> {
+    let (mut open, mut since, mut branches) = (0_usize, 0, 0);
+    for (at, lexeme) in lexemes(text) {
+        since += 1;
+        match lexeme {
+            "(" | "[" => open += 1,
+            ")" | "]" => open = open.saturating_sub(1),
+            "{" => (open, since) = (open + 1, 0),
+            "}" => (open, since) = (open.saturating_sub(1), 0),
+            ";" => since = 0,
+            "else" => branches += 1,
+            "fn" => branches = 0,
+            _ => {}
+        }
+        if open > depth || since > length || branches > depth {
+            return Some(at);
+        }
+    }
+    None
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
