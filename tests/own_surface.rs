@@ -39,7 +39,12 @@ fn frame(
     renderer.render(scene, request, &options).unwrap()
 }
 
-fn linear(renderer: &mut Renderer, scene: &Scene, request: &FrameRequest) -> Vec<f32> {
+fn values(renderer: &mut Renderer, scene: &Scene, request: &FrameRequest) -> Vec<f32> {
+    // Not every adapter has four samples of 32-bit floats.
+    if request.antialias == Antialias::Multisample4 {
+        let bytes = frame(renderer, scene, request).picture.unwrap().bytes;
+        return bytes.into_iter().map(|byte| f32::from(byte) / 255.0).collect();
+    }
     let request = FrameRequest { picture: PictureFormat::LinearF32, ..request.clone() };
     frame(renderer, scene, &request).picture.unwrap().floats().unwrap()
 }
@@ -111,8 +116,8 @@ fn the_ordinary_reflection_written_out_is_the_ordinary_picture() {
             if shadows == single && antialias != Antialias::None {
                 continue;
             }
-            let with = linear(&mut renderer, &yard(ordinary.as_ref(), lights, shadows.clone()), &request);
-            let without = linear(&mut renderer, &yard(None, lights, shadows), &request);
+            let with = values(&mut renderer, &yard(ordinary.as_ref(), lights, shadows.clone()), &request);
+            let without = values(&mut renderer, &yard(None, lights, shadows), &request);
             assert!(without.iter().any(|value| *value > 0.3), "{what}: nothing is lit");
             let off = with.iter().zip(&without).map(|(a, b)| (a - b).abs() / b.max(0.1)).fold(0.0, f32::max);
             assert!(off < 1e-5, "{what}: off by {off}");
