@@ -90,7 +90,7 @@ fn yard(surface: Option<&Arc<SurfaceFunction>>, lights: usize, shadows: ShadowVo
     scene.add_mesh(common::mesh(painted), matt("painted", Vec3::ONE), at(0.9, 0.5, 0.3));
     // Masks are no counts.
     if shadows.passes == Passes::Multi {
-        scene.add_mesh(common::mesh(plane(Vec2::splat(0.5))), masked, at(0.2, 0.7, 1.0));
+        scene.add_mesh(common::mesh(plane(Vec2::splat(0.5)).named("masked")), masked, at(0.2, 0.7, 1.0));
     }
     scene.add_mesh(common::mesh(plane(Vec2::splat(0.4)).named("glass")), glass, at(-0.4, 1.8, 1.0));
     for (index, place) in
@@ -100,6 +100,12 @@ fn yard(surface: Option<&Arc<SurfaceFunction>>, lights: usize, shadows: ShadowVo
     }
     scene.add_shadow("shadows", shadows);
     scene
+}
+
+fn remove(scene: &mut Scene, name: &str) {
+    let is_it = |node: &&Instance| node.name == name;
+    let node = scene.pose().unwrap().instances.iter().find(is_it).unwrap().node;
+    scene.remove(node).unwrap();
 }
 
 #[test]
@@ -116,8 +122,14 @@ fn the_ordinary_reflection_written_out_is_the_ordinary_picture() {
             if shadows == single && antialias != Antialias::None {
                 continue;
             }
-            let with = values(&mut renderer, &yard(ordinary.as_ref(), lights, shadows.clone()), &request);
-            let without = values(&mut renderer, &yard(None, lights, shadows), &request);
+            let [with, without] = [ordinary.as_ref(), None].map(|surface| {
+                let mut scene = yard(surface, lights, shadows.clone());
+                if antialias == Antialias::Multisample4 {
+                    // Nor are masks, as casters, known for every sample.
+                    remove(&mut scene, "masked");
+                }
+                values(&mut renderer, &scene, &request)
+            });
             assert!(without.iter().any(|value| *value > 0.3), "{what}: nothing is lit");
             let off = with.iter().zip(&without).map(|(a, b)| (a - b).abs() / b.max(0.1)).fold(0.0, f32::max);
             assert!(off < 1e-5, "{what}: off by {off}");
@@ -133,9 +145,7 @@ fn the_factor_it_gets_is_the_one_that_is_measured() {
         let shadows = ShadowVolumeHard::default;
         let mut scene = yard(factor.as_ref(), lights, shadows());
         // Blended surfaces have no factor of their own.
-        let is_glass = |node: &&Instance| node.name == "glass";
-        let glass = scene.pose().unwrap().instances.iter().find(is_glass).unwrap().node;
-        scene.remove(glass).unwrap();
+        remove(&mut scene, "glass");
         let request = FrameRequest { factors: true, picture: PictureFormat::LinearF32, ..request() };
         let frame = frame(&mut renderer, &scene, &request);
         let picture = frame.picture.unwrap().floats().unwrap();
