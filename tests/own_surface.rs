@@ -115,7 +115,7 @@ fn the_ordinary_reflection_written_out_is_the_ordinary_picture() {
     let single = ShadowVolumeHard { passes: Passes::Single { weight: 0.5 }, ..ShadowVolumeHard::default() };
     for antialias in [Antialias::None, Antialias::Multisample4, Antialias::Supersample4] {
         for (lights, shadows) in
-            [(1, ShadowVolumeHard::default()), (2, ShadowVolumeHard::default()), (2, single.clone())]
+            [(1, ShadowVolumeHard::default()), (2, ShadowVolumeHard::default()), (2, single)]
         {
             let what = format!("{antialias} {lights} {shadows:?}");
             let request = FrameRequest { antialias, ..request() };
@@ -123,7 +123,7 @@ fn the_ordinary_reflection_written_out_is_the_ordinary_picture() {
                 continue;
             }
             let [with, without] = [ordinary.as_ref(), None].map(|surface| {
-                let mut scene = yard(surface, lights, shadows.clone());
+                let mut scene = yard(surface, lights, shadows);
                 if antialias == Antialias::Multisample4 {
                     // Nor are masks, as casters, known for every sample.
                     remove(&mut scene, "masked");

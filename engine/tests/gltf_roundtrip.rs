@@ -53,6 +53,7 @@ fn rich_scene() -> Scene {
         double_sided: false,
         unlit: false,
         transmission: 0.65,
+        surface: None,
     });
     let blend = Material { alpha_mode: AlphaMode::Blend, ..Material::matt("sign", Vec3::splat(0.5)) };
     let sign = scene.add_material(Material { unlit: true, ..blend });

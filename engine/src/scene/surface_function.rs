@@ -233,8 +233,8 @@ impl SurfaceFunction {
     /// The compiler's message, at the first of its places that lies in this text.
     fn wrong(&self, before: usize, spans: &[naga::Span], messages: Vec<&str>) -> SurfaceFunctionError {
         let (function, message) = (self.name.clone(), messages.join("; "));
-        let places = spans.iter().filter_map(|span| span.to_range()?.start.checked_sub(before));
-        match places.filter(|place| *place <= self.wgsl.len()).next() {
+        let mut places = spans.iter().filter_map(|span| span.to_range()?.start.checked_sub(before));
+        match places.find(|place| *place <= self.wgsl.len()) {
             Some(place) => SurfaceFunctionError::Wgsl { function, line: self.line_at(place), message },
             None => SurfaceFunctionError::Unplaced { function, message },
         }
