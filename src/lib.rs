@@ -42,7 +42,7 @@ pub mod prelude {
     pub use shadowgraph_engine::plan::Antialias;
     pub use shadowgraph_engine::scene::{
         Animation, Camera, Channel, Content, Interpolation, Light, Material, MeshNode, PosedCamera, Property,
-        Scene, Scope, ShadowNode, Skin, Track, Transform,
+        Scene, Scope, ShadowNode, Skin, SurfaceFunction, Track, Transform,
     };
     pub use shadowgraph_nodes::{
         self, Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, ShadowVolumeHard, Terminator,

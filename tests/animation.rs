@@ -156,7 +156,7 @@ fn thousand() -> Scene {
     });
     let loaded = gltf::load_slice(document.to_string().as_bytes(), None).unwrap();
     assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
-    gltf::load_slice(&gltf::to_glb(&loaded.scene).unwrap(), None).unwrap().scene
+    gltf::load_slice(&gltf::to_glb(&loaded.scene).unwrap().bytes, None).unwrap().scene
 }
 
 fn light_thousand(scene: &mut Scene) {

@@ -35,7 +35,8 @@ fn committed_scenes_are_what_the_generator_makes() {
         assert_eq!(outline(&loaded.scene), outline(&scene), "{name}: run `cargo run -- assets assets`");
         assert!(loaded.scene.shadows().next().is_some(), "{name} has a shadow node");
         // Saving what was loaded gives the same scene again.
-        let again = shadowgraph::engine::gltf::load_slice(&to_glb(&loaded.scene).unwrap(), None).unwrap();
+        let again =
+            shadowgraph::engine::gltf::load_slice(&to_glb(&loaded.scene).unwrap().bytes, None).unwrap();
         assert_eq!(outline(&again.scene), outline(&scene), "{name}");
     }
 }

@@ -74,7 +74,7 @@ fn renders_show_the_time_that_was_asked_for() {
 #[test]
 fn scenes_are_chosen_by_name_or_index() {
     let folder = Folder::new();
-    let glb = gltf::to_glb(&shadowed_yard(&[])).unwrap();
+    let glb = gltf::to_glb(&shadowed_yard(&[])).unwrap().bytes;
     let size = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
     let mut document: Value = serde_json::from_slice(&glb[20..20 + size]).unwrap();
     document["buffers"][0]["uri"] = "scene.bin".into();

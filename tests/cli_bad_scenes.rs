@@ -10,7 +10,7 @@ use shadowgraph_engine::gltf;
 
 /// The yard as JSON and the bytes of its buffer.
 fn yard_parts() -> (Value, Vec<u8>) {
-    let glb = gltf::to_glb(&shadowed_yard(&[])).expect("it can be saved");
+    let glb = gltf::to_glb(&shadowed_yard(&[])).expect("it can be saved").bytes;
     let word = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().expect("four bytes")) as usize;
     let json_end = 20 + word(12);
     let json = serde_json::from_slice(&glb[20..json_end]).expect("it is JSON");

@@ -60,7 +60,7 @@ fn saved() -> Vec<u8> {
     let projection = Projection::Orthographic { half_height_m: 2.0, near_m: 0.0, far_m: 9.0 };
     scene.add_camera(Camera { name: "plan".into(), projection }, DVec3::Y * 3.0, DVec3::ZERO);
     scene.add_shadow("s", ShadowNode::new("Any").with_lights([lamp]).with_casters([caster]));
-    gltf::to_glb(&scene).unwrap()
+    gltf::to_glb(&scene).unwrap().bytes
 }
 
 /// A saved scene in which everything moves: a skin of two joints, morph targets, three kinds of keys.
@@ -104,7 +104,7 @@ fn moving() -> Vec<u8> {
         Channel::new(node, track(Property::Weights, Interpolation::CubicSpline, &[0.5; 12])),
     ];
     scene.add_animation(Animation::new("clip", channels)).unwrap();
-    gltf::to_glb(&scene).unwrap()
+    gltf::to_glb(&scene).unwrap().bytes
 }
 
 /// Hand-written: sparse accessors (of a morph target too), strip, fan, data URI, skin, quantised attributes, instances,

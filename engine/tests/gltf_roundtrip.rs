@@ -53,6 +53,7 @@ fn rich_scene() -> Scene {
         double_sided: false,
         unlit: false,
         transmission: 0.65,
+        surface: None,
     });
     let blend = Material { alpha_mode: AlphaMode::Blend, ..Material::matt("sign", Vec3::splat(0.5)) };
     let sign = scene.add_material(Material { unlit: true, ..blend });
@@ -163,21 +164,21 @@ fn outline(scene: &Scene) -> Vec<(String, bool, usize, std::mem::Discriminant<Co
 #[test]
 fn a_saved_scene_loads_back_the_same() {
     let scene = rich_scene();
-    let bytes = gltf::to_glb(&scene).unwrap();
+    let bytes = gltf::to_glb(&scene).unwrap().bytes;
     let loaded = gltf::load_slice(&bytes, None).unwrap();
     assert_eq!(outline(&scene), outline(&loaded.scene));
     assert_eq!(described(&scene), described(&loaded.scene));
     assert_eq!(loaded.node_keys.len(), scene.depth_first().len());
     // Only the empty mesh, written as a point, is worth a word.
     assert_eq!(loaded.warnings.len(), 1, "{:?}", loaded.warnings);
-    let again = gltf::load_slice(&gltf::to_glb(&loaded.scene).unwrap(), None).unwrap();
+    let again = gltf::load_slice(&gltf::to_glb(&loaded.scene).unwrap().bytes, None).unwrap();
     assert_eq!(described(&again.scene), described(&scene));
 }
 
 #[test]
 fn scopes_come_back_as_the_same_nodes() {
     let scene = rich_scene();
-    let loaded = gltf::load_slice(&gltf::to_glb(&scene).unwrap(), None).unwrap();
+    let loaded = gltf::load_slice(&gltf::to_glb(&scene).unwrap().bytes, None).unwrap();
     let places = |scene: &Scene| -> Vec<Option<Vec<usize>>> {
         let order = scene.depth_first();
         let place = |key: &NodeKey| order.iter().position(|other| other == key).unwrap();
@@ -213,7 +214,7 @@ fn files_are_written_whole_or_not_at_all() {
 
 #[test]
 fn an_empty_scene_survives() {
-    let loaded = gltf::load_slice(&gltf::to_glb(&Scene::new()).unwrap(), None).unwrap();
+    let loaded = gltf::load_slice(&gltf::to_glb(&Scene::new()).unwrap().bytes, None).unwrap();
     assert_eq!(loaded.scene.nodes().count(), 0);
 }
 
@@ -231,6 +232,6 @@ fn spot_angles_survive_to_the_last_bit() {
     let mut scene = Scene::new();
     let kind = LightKind::Spot { inner_rad: 0.1, outer_rad: std::f64::consts::FRAC_PI_2 };
     scene.add_light(Light { kind, ..Light::point("wide", 1.0) }, DVec3::ONE, DVec3::ZERO);
-    let loaded = gltf::load_slice(&gltf::to_glb(&scene).unwrap(), None).unwrap();
+    let loaded = gltf::load_slice(&gltf::to_glb(&scene).unwrap().bytes, None).unwrap();
     assert_eq!(loaded.scene.lights().next().unwrap().1.kind, kind);
 }

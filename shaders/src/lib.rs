@@ -34,6 +34,7 @@ modules![
     "common/lights",
     "common/material",
     "common/positions",
+    "common/surface",
     "masked_volume",
     "nothing",
     "resolve_mask",
@@ -44,6 +45,9 @@ modules![
     "surface_measure",
     "surface_shade",
 ];
+
+/// What a material's own surface function can see: `common/surface`.
+pub const SURFACE: &str = include_str!("common/surface.wgsl");
 
 /// Why a shader could not be composed.
 #[derive(Clone, Debug, Error, PartialEq)]

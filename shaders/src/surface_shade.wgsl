@@ -1,11 +1,12 @@
 // Forward shading of the visible surface: every light of the frame in one pass, each with its shadow factor.
 // Flags leave out what a material does not have, and the loop for one light: software adapters run both sides of
 // every branch, and loops with a mask.
-// Metallic-roughness as glTF 2.0 appendix B defines it (Lambert, GGX, height-correlated Smith, Schlick).
+// With SURFACE_FUNCTION a material's own text follows, which defines `reflected` and `outgoing`.
 
 #import common/frame
 #import common/lights
 #import common/material
+#import common/surface
 
 @group(2) @binding(2) var metallic_roughness_texture: texture_2d<f32>;
 @group(2) @binding(3) var emissive_texture: texture_2d<f32>;
@@ -201,36 +202,6 @@ fn mapped_normal(n: vec3f, p: vec3f, uvs: Uvs) -> vec3f {
 }
 #endif
 
-struct Surface {
-    p: vec3f,
-    n: vec3f,
-    // Unit direction towards the eye.
-    v: vec3f,
-    // Geometric normal on the eye's side.
-    geometric: vec3f,
-    diffuse: vec3f,
-    f0: vec3f,
-    alpha: f32,
-}
-
-// Outgoing radiance per unit of irradiance from direction `l`, cosine included.
-fn reflect_light(s: Surface, l: vec3f) -> vec3f {
-    let n_l = saturate(dot(s.n, l));
-    let n_v = max(dot(s.n, s.v), 1e-4);
-    let h = normalize(l + s.v);
-    let n_h = saturate(dot(s.n, h));
-    let v_h = saturate(dot(s.v, h));
-    let a2 = s.alpha * s.alpha;
-    let d = n_h * n_h * (a2 - 1.0) + 1.0;
-    let distribution = a2 / (3.14159265 * d * d);
-    let smith = n_l * sqrt(n_v * n_v * (1.0 - a2) + a2) + n_v * sqrt(n_l * n_l * (1.0 - a2) + a2);
-    let away = 1.0 - v_h;
-    let away_2 = away * away;
-    let fresnel = s.f0 + (1.0 - s.f0) * (away_2 * away_2 * away);
-    let specular = fresnel * distribution * 0.5 / max(smith, 1e-6);
-    return ((1.0 - fresnel) * s.diffuse * 0.31830989 + specular) * n_l;
-}
-
 // Whether normals alone say where the night of light number `light` begins.
 fn ends_smooth(in: Varyings, light: u32) -> bool {
 #if SMOOTH_TERMINATOR
@@ -242,14 +213,21 @@ fn ends_smooth(in: Varyings, light: u32) -> bool {
 
 // What `light` adds to the outgoing radiance.
 fn lit_by(light: Light, s: Surface, pixel: vec2u, receives: u32, smooth_end: bool) -> vec3f {
-    let incoming = illumination(light, s.p);
+    let incoming = illumination(light, s.p_in_view);
     // Light from behind the surface proper lights nothing, whatever a smooth normal says, unless it was asked for.
-    let behind = !smooth_end && dot(s.geometric, incoming.towards) <= 0.0;
+    let behind = !smooth_end && dot(s.geometric_in_view, incoming.towards) <= 0.0;
+#if SURFACE_FUNCTION
+    // Asked for every light, whatever arrives: its derivatives need all pixels of a quad.
+    let past_casters = select(vec3f(1.0), shadow_factor(light, pixel), receives == 1u);
+    let factor = select(past_casters, vec3f(0.0), behind);
+    return reflected(s, LightArriving(incoming.towards, incoming.irradiance, factor));
+#else
     if behind || all(incoming.irradiance == vec3f(0.0)) {
         return vec3f(0.0);
     }
     let factor = select(vec3f(1.0), shadow_factor(light, pixel), receives == 1u);
     return factor * incoming.irradiance * reflect_light(s, incoming.towards);
+#endif
 }
 
 // Khronos PBR Neutral: true colours up to 0.8, then a soft shoulder that desaturates.
@@ -286,14 +264,14 @@ fn shade(in: Varyings) -> vec4f {
     emitted *= textureSample(emissive_texture, emissive_sampler, uv_of(2u, in.uvs)).rgb;
 #endif
     var s: Surface;
-    s.p = in.p_in_view;
-    s.v = select(vec3f(0.0, 0.0, 1.0), normalize(-in.p_in_view), frame.eye_w > 0.0);
-    s.geometric = normalize(cross(dpdx(in.p_in_view), -dpdy(in.p_in_view)));
-    s.geometric = select(s.geometric, -s.geometric, dot(s.geometric, s.v) < 0.0);
-    s.n = normalize(in.normal_in_view);
-    s.n = select(-s.n, s.n, dot(s.n, s.geometric) >= 0.0);
+    s.p_in_view = in.p_in_view;
+    s.towards_eye_in_view = select(vec3f(0.0, 0.0, 1.0), normalize(-in.p_in_view), frame.eye_w > 0.0);
+    let geometric = normalize(cross(dpdx(in.p_in_view), -dpdy(in.p_in_view)));
+    s.geometric_in_view = select(geometric, -geometric, dot(geometric, s.towards_eye_in_view) < 0.0);
+    let normal = normalize(in.normal_in_view);
+    s.normal_in_view = select(-normal, normal, dot(normal, s.geometric_in_view) >= 0.0);
 #if NORMAL_TEXTURE
-    s.n = mapped_normal(s.n, in.p_in_view, in.uvs);
+    s.normal_in_view = mapped_normal(s.normal_in_view, in.p_in_view, in.uvs);
 #endif
     var metallic = material.metallic;
     var roughness = material.roughness;
@@ -303,7 +281,7 @@ fn shade(in: Varyings) -> vec4f {
     metallic *= metallic_roughness.b;
     roughness *= metallic_roughness.g;
 #endif
-    s.alpha = max(roughness * roughness, 0.002);
+    s.ggx_alpha = max(roughness * roughness, 0.002);
     s.diffuse = base.rgb * (1.0 - metallic);
     s.f0 = mix(vec3f(0.04), base.rgb, metallic);
 
@@ -313,18 +291,36 @@ fn shade(in: Varyings) -> vec4f {
     occlusion = 1.0 + material.occlusion_strength * (openness - 1.0);
 #endif
     // Ambient: full from above, half from below; metals show it as a mirror of the same sky.
-    let sky = 0.75 + 0.25 * dot(s.n, frame.up_in_view);
-    var color = frame.ambient * sky * occlusion * (s.diffuse + s.f0 * 0.7);
+    let sky = 0.75 + 0.25 * dot(s.normal_in_view, frame.up_in_view);
+    let ambient = frame.ambient * sky * occlusion * (s.diffuse + s.f0 * 0.7);
+#if SURFACE_FUNCTION
+    s.world_from_view = transpose(mat3x3f(
+        frame.view_from_world[0].xyz, frame.view_from_world[1].xyz, frame.view_from_world[2].xyz,
+    ));
+    s.p_in_world = s.world_from_view * (s.p_in_view - frame.view_from_world[3].xyz);
+    s.uv = in.uvs.xy;
+    s.base_color = base;
+    s.metallic = metallic;
+    s.roughness = roughness;
+    s.pixel = in.clip.xy;
+    var lit = vec3f(0.0);
+#else
+    var lit = ambient;
+#endif
 
     let pixel = vec2u(in.clip.xy);
 #if ONE_LIGHT
-    color += lit_by(lights[0], s, pixel, in.receives, ends_smooth(in, 0u));
+    lit += lit_by(lights[0], s, pixel, in.receives, ends_smooth(in, 0u));
 #else
     for (var i = 0u; i < frame.light_count; i++) {
-        color += lit_by(lights[i], s, pixel, in.receives, ends_smooth(in, i));
+        lit += lit_by(lights[i], s, pixel, in.receives, ends_smooth(in, i));
     }
 #endif
-    color += emitted * frame.exposure;
+#if SURFACE_FUNCTION
+    let color = outgoing(s, lit, ambient, emitted * frame.exposure);
+#else
+    let color = lit + emitted * frame.exposure;
+#endif
     return vec4f(select(color, tone_mapped(color), frame.tone_map == 1u), base.a);
 #endif
 }

@@ -6,7 +6,7 @@ use clap::Args;
 use shadowgraph::demo;
 use shadowgraph::engine::gltf;
 
-use super::output::out;
+use super::output::{note, out};
 use super::{Failure, files};
 
 /// The arguments of `assets`.
@@ -20,7 +20,9 @@ pub(crate) fn run(args: &AssetsArgs) -> Result<(), Failure> {
     files::make_folder(&args.folder)?;
     for (name, shows, scene) in demo::all() {
         let path = args.folder.join(format!("{name}.glb"));
-        gltf::save(&scene, &path)?;
+        for warning in gltf::save(&scene, &path)? {
+            note!("{}: {warning}", path.display());
+        }
         out!("{}: {shows}", path.display());
     }
     Ok(())

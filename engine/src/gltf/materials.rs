@@ -90,6 +90,7 @@ pub(super) fn read(root: &json::Root, index: usize, images: &mut Images<'_>) -> 
         double_sided: material.double_sided,
         unlit: extensions.is_some_and(|extensions| extensions.unlit.is_some()),
         transmission: transmission.map_or(0.0, |transmission| transmission.transmission_factor.0),
+        surface: None,
         name,
     };
     check_finite(index, &read)?;

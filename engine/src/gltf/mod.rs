@@ -39,7 +39,7 @@ use std::path::Path;
 
 pub use error::GltfError;
 pub use extension::{SHADOW_NODE, ShadowTypes};
-pub use save::{save, to_glb};
+pub use save::{Glb, save, to_glb};
 
 use crate::scene::{NodeKey, Scene};
 use limits::{Budget, Warnings};

@@ -21,15 +21,26 @@ use crate::scene::{
     ShadowFlags, SkinKey,
 };
 
-/// Saves `scene` as a `.glb` file, whole or not at all: it is written beside `path` and then renamed.
+/// A scene as a `.glb` file in memory.
+#[must_use]
+#[derive(Clone, Debug, PartialEq)]
+pub struct Glb {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// What was left out, each thing once.
+    pub warnings: Vec<String>,
+}
+
+/// Saves `scene` as a `.glb` file, whole or not at all: it is written beside `path` and then renamed. Returns what was
+/// left out, each thing once.
 ///
 /// # Errors
 /// [`GltfError::Save`] when the scene has something glTF cannot hold, [`GltfError::Io`] when writing fails.
-pub fn save(scene: &Scene, path: impl AsRef<Path>) -> Result<(), GltfError> {
+pub fn save(scene: &Scene, path: impl AsRef<Path>) -> Result<Vec<String>, GltfError> {
     use std::sync::atomic::{AtomicU64, Ordering};
     static COUNTER: AtomicU64 = AtomicU64::new(0);
     let path = path.as_ref();
-    let bytes = to_glb(scene)?;
+    let Glb { bytes, warnings } = to_glb(scene)?;
     let io = |source| GltfError::Io { path: path.display().to_string(), source };
     let Some(file_name) = path.file_name() else {
         return Err(io(std::io::Error::new(std::io::ErrorKind::InvalidInput, "names no file")));
@@ -46,15 +57,16 @@ pub fn save(scene: &Scene, path: impl AsRef<Path>) -> Result<(), GltfError> {
         // The first error is the one worth reporting.
         let _ = std::fs::remove_file(&temporary);
         io(source)
-    })
+    })?;
+    Ok(warnings)
 }
 
-/// The bytes of `scene` as a `.glb` file.
+/// `scene` as a `.glb` file in memory.
 ///
 /// # Errors
 /// [`GltfError::Save`] when the scene has something glTF cannot hold: numbers that are not finite, keys of things
 /// that were removed, more than 2 GiB.
-pub fn to_glb(scene: &Scene) -> Result<Vec<u8>, GltfError> {
+pub fn to_glb(scene: &Scene) -> Result<Glb, GltfError> {
     let order = scene.depth_first();
     let index_of: BTreeMap<NodeKey, usize> = order.iter().enumerate().map(|(i, key)| (*key, i)).collect();
     let mut writer = Writer::new(scene, &index_of);
@@ -66,7 +78,8 @@ pub fn to_glb(scene: &Scene) -> Result<Vec<u8>, GltfError> {
     writer.binary.check_size()?;
     let json = serde_json::to_vec(&document)
         .map_err(|error| GltfError::Save { what: "its JSON".into(), problem: error.to_string() })?;
-    container(&json, &writer.binary.bytes)
+    let bytes = container(&json, &writer.binary.bytes)?;
+    Ok(Glb { bytes, warnings: writer.materials.warnings.into_texts() })
 }
 
 /// Puts JSON and binary chunk into one file, each padded to 4 bytes.

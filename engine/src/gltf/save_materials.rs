@@ -7,6 +7,7 @@ use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use serde_json::{Map, Value, json};
 
 use super::GltfError;
+use super::limits::Warnings;
 use super::save_meshes::Binary;
 use crate::scene::{
     AlphaMode, ImageKey, Material, MaterialKey, Scene, TexCoord, TextureRef, UvTransform, Wrap,
@@ -20,6 +21,7 @@ pub(super) struct Materials {
     pub(super) samplers: Vec<Value>,
     pub(super) images: Vec<Value>,
     pub(super) extensions: Vec<&'static str>,
+    pub(super) warnings: Warnings,
     /// `None` is the engine's default material, which slots without a material wear.
     written: HashMap<Option<MaterialKey>, usize>,
     written_images: HashMap<ImageKey, usize>,
@@ -67,6 +69,13 @@ impl Materials {
         if !(colors_finite && scalars.iter().all(|x| x.is_finite())) {
             let what = format!("material '{}'", material.name);
             return Err(GltfError::Save { what, problem: "has factors that are not finite".into() });
+        }
+        if let Some(function) = &material.surface {
+            self.warnings.add(format!(
+                "material '{}': its surface function '{}' is left out; glTF has no place for it",
+                material.name,
+                function.name()
+            ));
         }
         let mut pbr = json!({
             "baseColorFactor": material.base_color.to_array(),

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use thiserror::Error;
 
 use super::PixelsError;
+use crate::scene::{Material, SurfaceFunction};
 
 /// Which adapter to use.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -36,6 +37,10 @@ pub enum GpuError {
     Shader { shader: String, message: String },
     #[error("shader '{shader}' makes no pipeline on adapter '{adapter}': {message}")]
     Pipeline { shader: String, adapter: String, message: String },
+    #[error(
+        "material '{material}': adapter '{adapter}' refuses its surface function '{function}': {message}"
+    )]
+    SurfaceFunction { material: String, function: String, adapter: String, message: String },
     #[error("{what} needs a buffer of {bytes} bytes, adapter '{adapter}' allows {limit} for its use")]
     BufferTooLarge { what: String, bytes: u64, adapter: String, limit: u64 },
     #[error(
@@ -60,6 +65,21 @@ pub enum GpuError {
     TooManyLights { count: usize, limit: usize },
     #[error(transparent)]
     Pixels(#[from] PixelsError),
+}
+
+impl GpuError {
+    /// What is wrong with a shader, told of the material whose own function is in it.
+    pub(super) fn of(self, material: &Material, function: &SurfaceFunction, gpu: &Gpu) -> Self {
+        match self {
+            Self::Shader { message, .. } | Self::Pipeline { message, .. } => Self::SurfaceFunction {
+                material: material.name.clone(),
+                function: function.name().into(),
+                adapter: gpu.name(),
+                message,
+            },
+            other => other,
+        }
+    }
 }
 
 /// A device, its queue and what is known of its adapter.

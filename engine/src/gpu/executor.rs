@@ -1,6 +1,7 @@
 //! Executing a frame plan: it does what the plan says, times it, and copies out what is asked for.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use bytemuck::Zeroable;
 use wgpu::TextureFormat;
@@ -13,7 +14,7 @@ use super::pipelines::Pipelines;
 use super::readback::{Pending, read_buffer};
 use super::{FrameUniform, Gpu, GpuError, InstanceUniform, LightUniform, Pixels};
 use crate::plan::{BufferUsage, FramePlan, Geometry, LightPlanned, Shader, SlotId, SlotKind, SurfaceStyle};
-use crate::scene::{Posed, PosedCamera};
+use crate::scene::{Posed, PosedCamera, SurfaceFunction};
 use crate::shadow::MAX_SMOOTH_LIGHTS;
 
 mod attachments;
@@ -80,13 +81,16 @@ pub struct Executor {
     meshes: Meshes,
     materials: Materials,
     frame_layout: wgpu::BindGroupLayout,
-    /// By style, what the draw reads, and what the material has.
-    surface_shaders: HashMap<(SurfaceStyle, u32, u32), Option<Shader>>,
+    surface_shaders: HashMap<SurfaceShaderKey, Option<Shader>>,
     textures: HashMap<TextureKey, Kept<wgpu::Texture>>,
     buffers: HashMap<(u64, BufferUsage), Kept<wgpu::Buffer>>,
     uploads: u64,
     frame: u64,
 }
+
+/// What makes two of the engine's own surface shaders different: style, what the draw reads, what the material has, its
+/// own function.
+type SurfaceShaderKey = (SurfaceStyle, u32, u32, Option<Arc<SurfaceFunction>>);
 
 /// Textures of equal name, format, size, layers and samples are the same texture from frame to frame.
 type TextureKey = (String, TextureFormat, [u32; 2], u32, u32);

@@ -62,11 +62,14 @@ fn second_uvs(material: &Material) -> u32 {
     textures(material).iter().enumerate().map(|(i, (texture, _))| u32::from(on_second(texture)) << i).sum()
 }
 
+/// The bit of a material's own function, which only shading adds.
+pub(crate) const SURFACE_FUNCTION: u32 = 11;
+
 /// The bit of [`features`] for holes.
 pub(crate) const MASKED: u32 = 1;
 
 /// The shader flags of the bits of [`features`].
-pub(crate) const FEATURE_FLAGS: [&str; 11] = [
+pub(crate) const FEATURE_FLAGS: [&str; 12] = [
     "UNLIT",
     "MASKED",
     "BASE_COLOR_TEXTURE",
@@ -78,6 +81,7 @@ pub(crate) const FEATURE_FLAGS: [&str; 11] = [
     "MANY_LIGHTS",
     "ONE_LIGHT",
     "SECOND_UV",
+    "SURFACE_FUNCTION",
 ];
 
 /// Up to so many lights the shorter array of common/lights does.

@@ -3,6 +3,7 @@
 use wgpu::TextureFormat;
 
 use super::request::{Adapter, FrameError, FrameRequest};
+use super::surface_functions;
 use super::surfaces::Surfaces;
 use crate::plan::{
     Access, Antialias, Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, ColorTarget,
@@ -368,13 +369,15 @@ impl Assembly<'_> {
             draws.push(self.surfaces_draw("blended surfaces", SurfaceStyle::Blended, None, state));
             self.b.note("blended surfaces are lit without shadows: factors are those of the opaque surface");
         }
+        self.b.notes.extend(surface_functions::notes(self.posed, &self.surfaces, lights));
+        let by_functions = surface_functions::reason(self.posed, &self.surfaces);
         self.b.passes.push(Pass {
             name: "shading".into(),
             reason: match lights.len() {
-                0 => "ambient light only".into(),
+                0 => "ambient light only".to_owned(),
                 1 => "the only light".into(),
                 n => format!("all {n} lights at once"),
-            },
+            } + &by_functions,
             colors: vec![ColorTarget {
                 slot: self.drawn,
                 layer: 0,

@@ -4,6 +4,7 @@ use wgpu::TextureFormat;
 
 use super::assembly::{Assembly, Segment};
 use super::request::{Adapter, FrameError, FrameRequest, PictureFormat};
+use super::surface_functions;
 use super::surfaces::{Surfaces, receiver_bounds};
 use crate::plan::{Antialias, FramePlan, PlanBuilder, SlotId, SlotKind};
 use crate::scene::Posed;
@@ -28,6 +29,7 @@ pub fn plan_frame(
     if !request.camera.projection.is_valid() || !request.camera.world_from_view.is_finite() {
         return Err(FrameError::Camera { name: request.camera.name.clone() });
     }
+    surface_functions::check(posed)?;
     let size_px = drawn_size_px(request, adapter)?;
     let frustum = request.camera.frustum(size_px);
     let view = View {

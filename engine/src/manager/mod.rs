@@ -7,6 +7,7 @@ mod factors;
 mod frame;
 mod renderer;
 mod request;
+mod surface_functions;
 mod surfaces;
 
 pub use exposure::Exposure;

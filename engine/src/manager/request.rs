@@ -4,7 +4,7 @@ use thiserror::Error;
 use wgpu::TextureFormat;
 
 use crate::plan::{Antialias, MULTISAMPLED_EVERYWHERE};
-use crate::scene::PosedCamera;
+use crate::scene::{PosedCamera, SurfaceFunctionError};
 use crate::shadow::ShadowError;
 
 /// Why a frame could not be planned.
@@ -36,6 +36,12 @@ pub enum FrameError {
         "camera '{name}' is not valid: it needs 0 < near < far, and a field of view between 0 and pi or a positive height, all finite"
     )]
     Camera { name: String },
+    #[error("material '{material}': {source}")]
+    SurfaceFunction { material: String, source: SurfaceFunctionError },
+    #[error(
+        "material '{material}' is unlit, so its surface function '{function}' has no light to reflect; it may have one of the two"
+    )]
+    UnlitFunction { material: String, function: String },
     #[error(transparent)]
     Shadow(#[from] ShadowError),
 }

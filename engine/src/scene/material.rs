@@ -1,8 +1,10 @@
 //! Metallic-roughness materials and the images they wear.
 
+use std::sync::Arc;
+
 use glam::{Vec2, Vec3, Vec4};
 
-use super::ImageKey;
+use super::{ImageKey, SurfaceFunction};
 
 /// How a material treats alpha.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -155,6 +157,8 @@ pub struct Material {
     pub unlit: bool,
     /// `KHR_materials_transmission`: the fraction of light that passes, tinted by the base colour.
     pub transmission: f32,
+    /// How it reflects light instead, in WGSL of its own.
+    pub surface: Option<Arc<SurfaceFunction>>,
 }
 
 impl Default for Material {
@@ -175,6 +179,7 @@ impl Default for Material {
             double_sided: true,
             unlit: false,
             transmission: 0.0,
+            surface: None,
         }
     }
 }
@@ -183,6 +188,11 @@ impl Material {
     /// A matt material of one linear colour.
     pub fn matt(name: &str, color: Vec3) -> Self {
         Self { name: name.into(), base_color: color.extend(1.0), ..Self::default() }
+    }
+
+    /// The material, reflecting light by `function`.
+    pub fn with_surface(self, function: SurfaceFunction) -> Self {
+        Self { surface: Some(Arc::new(function)), ..self }
     }
 
     /// The alpha below which it has holes; `None` without a mask.

@@ -15,6 +15,8 @@ mod material;
 mod playback;
 mod posed;
 mod skin;
+mod surface_function;
+mod wgsl_names;
 
 pub use animation::{Animation, Channel, Interpolation, Property, Track, TrackError, Transform};
 pub use content::{
@@ -28,3 +30,4 @@ pub use graph::{
 pub use material::{AlphaMode, Image, Material, TexCoord, TextureRef, UvTransform, Wrap};
 pub use posed::{Instance, Posed, PosedCamera, PosedLight, PosedShadowNode};
 pub use skin::Skin;
+pub use surface_function::{SurfaceFunction, SurfaceFunctionError};

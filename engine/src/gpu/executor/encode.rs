@@ -7,7 +7,7 @@ use wgpu::TextureFormat;
 use super::super::GpuError;
 use super::super::bindings::{BindKind, SampleKind};
 use super::super::groups::{PassGroup, place_of};
-use super::super::materials::{FEATURE_FLAGS, MASKED, features};
+use super::super::materials::{FEATURE_FLAGS, MASKED, SURFACE_FUNCTION, features};
 use super::super::meshes::GpuMesh;
 use super::super::pipelines::{Culling, VertexInput, Wanted};
 use super::attachments::{binding_view, color_attachment, color_views, depth_attachment};
@@ -194,7 +194,10 @@ impl Executor {
             return Ok(());
         };
         let surface = Surface::Mesh { style, masked: material.cutoff().is_some(), culling };
-        self.set_pipeline(recording, &shader, surface, render)?;
+        self.set_pipeline(recording, &shader, surface, render).map_err(|error| {
+            let function = material.surface.as_ref().filter(|_| style != SurfaceStyle::Depth);
+            function.map_or(error.clone(), |function| error.of(material, function, &self.gpu))
+        })?;
         let pulled = style.is_pulled().then_some(surface);
         let group = self.draw_group(scene, draw, Some(instance), pulled, groups);
         render.set_bind_group(1, &group, &[]);
@@ -271,23 +274,34 @@ impl Executor {
             SurfaceStyle::Blended => ("surface_shade", Some("blended")),
             SurfaceStyle::Pulled | SurfaceStyle::PulledMasked => return None,
         };
+        // Depth has nothing to reflect.
+        let function = material.surface.as_ref().filter(|_| style != SurfaceStyle::Depth);
+        features |= u32::from(function.is_some()) << SURFACE_FUNCTION;
         let mut read: u32 = draw.bindings.iter().map(|(number, _)| 1 << number).sum();
         // A texture of one channel reads as (r, 0, 0, 1): its one factor is that of all colours.
         let one_channel =
             |(_, binding): &(u32, Binding)| scene.format(binding.slot()) == TextureFormat::R16Float;
         read |= u32::from(draw.bindings.iter().any(one_channel)) << 4;
         read |= u32::from(scene.plan.lights.iter().any(|light| !light.smooth_terminators.is_empty())) << 5;
-        let shader = self.surface_shaders.entry((style, read, features)).or_insert_with(|| {
-            let read_flags = READ_FLAGS.iter().enumerate().filter(|(bit, _)| read >> bit & 1 == 1);
-            let has_flags = FEATURE_FLAGS.iter().enumerate().filter(|(bit, _)| features >> bit & 1 == 1);
-            let flags: Vec<&str> = read_flags.chain(has_flags).map(|(_, flag)| *flag).collect();
-            Some(Shader {
-                name: format!("{name} {}", flags.join(" ")).into(),
-                source: shadowgraph_shaders::compose_named(name, &flags).ok()?.into(),
-                vertex: "vertex".into(),
-                fragment: fragment.map(Into::into),
-            })
-        });
+        let shader =
+            self.surface_shaders.entry((style, read, features, function.cloned())).or_insert_with(|| {
+                let read_flags = READ_FLAGS.iter().enumerate().filter(|(bit, _)| read >> bit & 1 == 1);
+                let has_flags = FEATURE_FLAGS.iter().enumerate().filter(|(bit, _)| features >> bit & 1 == 1);
+                let flags: Vec<&str> = read_flags.chain(has_flags).map(|(_, flag)| *flag).collect();
+                let source = shadowgraph_shaders::compose_named(name, &flags).ok()?;
+                let (name, source) = match function {
+                    Some(function) => {
+                        (format!("{name} by '{}'", function.name()), function.appended_to(source))
+                    }
+                    None => (name.to_owned(), source),
+                };
+                Some(Shader {
+                    name: format!("{name} {}", flags.join(" ")).into(),
+                    source: source.into(),
+                    vertex: "vertex".into(),
+                    fragment: fragment.map(Into::into),
+                })
+            });
         shader.clone()
     }
 
