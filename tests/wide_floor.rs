@@ -45,7 +45,7 @@ fn judged_around(antialias: Antialias) -> Vec<String> {
     for name in ["knot13k", "boxes1k"] {
         let scene = casting(name);
         for step in 0..6 {
-            let (sin, cos) = (f64::from(step) * 1.0471975).sin_cos();
+            let (sin, cos) = (f64::from(step) * std::f64::consts::FRAC_PI_3).sin_cos();
             let around = DVec3::new(7.0 * sin, 0.6 + f64::from(step) * 0.7, 7.0 * cos);
             let eye = if step == 0 { DVec3::new(3.2, 3.6, 6.2) } else { around };
             let camera = Camera::perspective("eye", 45_f64.to_radians());

@@ -2,7 +2,7 @@
 //! drawing in ink, whose shadows are cross-hatched; the ball is an ordinary material in the same light. See
 //! `own_surface/hatching.wgsl` for the function.
 //!
-//! `cargo run --example 10_own_surface` draws `out/10_own_surface.png`.
+//! `cargo run --example 11_own_surface` draws `out/11_own_surface.png`.
 
 mod common;
 mod own_surface;
@@ -17,5 +17,5 @@ fn main() -> Result<(), Box<dyn Error>> {
     let hatching = SurfaceFunction::new("hatching", own_surface::HATCHING)?;
     let scene = own_surface::scene(Some(Arc::new(hatching)))?;
     let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
-    common::picture(&mut renderer, &scene, &own_surface::camera(), Exposure::Fixed(1.4), "10_own_surface")
+    common::picture(&mut renderer, &scene, &own_surface::camera(), Exposure::Fixed(1.4), "11_own_surface")
 }
