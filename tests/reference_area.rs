@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use shadowgraph::cases::{self, Case};
 use shadowgraph::engine::scene::Posed;
+use shadowgraph::engine::shadow::LightDisc;
 use shadowgraph::measure::{Hit, LightQuery, LightSize, Reference, ReferenceImage, disc_samples};
 
 const SIZE_PX: [u32; 2] = [96, 96];
@@ -169,10 +170,7 @@ fn skipping_what_is_of_one_mind_changes_nothing() {
         let mut penumbra = 0;
         for (pixel, point) in floor_points(&case, &image) {
             let to_light = light.truncate() - point;
-            let distance = to_light.length();
-            let radius =
-                size.radius_m * distance / (distance * distance - size.radius_m * size.radius_m).sqrt();
-            let (u, v) = to_light.normalize().any_orthonormal_pair();
+            let LightDisc { radius, u, v } = size.disc(to_light.extend(1.0));
             let samples = disc_samples(256, 1);
             let lit = samples.iter().filter(|sample| {
                 let position = light + ((u * sample.x + v * sample.y) * radius).extend(0.0);

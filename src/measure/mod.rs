@@ -21,7 +21,7 @@ mod surface;
 mod technique;
 pub mod timing;
 
-pub use area::{LightSize, PILOT_SAMPLES, disc_samples};
+pub use area::PILOT_SAMPLES;
 pub use evaluate::{
     EvaluateError, Evaluation, KnownReferences, evaluate, evaluate_again, mean_of_samples, measured, queries,
 };
@@ -33,4 +33,5 @@ pub use reference::{CasterSet, Hit, Reference, Tracer};
 pub use render::{
     DEPTH_ULPS, LightQuery, LightReference, PIXEL_MOVE, Progress, ReferenceImage, SupersampledImage,
 };
+pub use shadowgraph_engine::shadow::{LightSize, disc_samples};
 pub use technique::ReferenceShadow;

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::{LightPlan, OptionError, ShadowError};
+use super::{LightPlan, LightSize, OptionError, ShadowError};
 use crate::scene::{Instance, Params, ShadowNode};
 
 /// What a technique needs from the adapter.
@@ -32,6 +32,11 @@ pub trait ShadowTechnique: fmt::Debug + Send + Sync {
     /// What it needs from the adapter.
     fn requirements(&self) -> Requirements {
         Requirements::default()
+    }
+
+    /// How large it takes its lights to be: what its factors are compared with.
+    fn light_size(&self) -> LightSize {
+        LightSize::NONE
     }
 
     /// Whether `instance` casts through this technique: `Ok(false)` leaves it to others.

@@ -4,6 +4,7 @@
 //! serves it gets a [`LightPlan`] and adds passes that leave the light's *factor* (1 lit, 0 dark) either as counts
 //! in the stencil or in a visibility target. The engine shades; techniques never do.
 
+mod area_light;
 mod cache;
 mod catalog;
 mod culling;
@@ -12,6 +13,7 @@ mod light_plan;
 mod options;
 mod registry;
 
+pub use area_light::{LightDisc, LightSize, disc_samples};
 pub use cache::{Cache, hash_of};
 pub use catalog::{Catalog, Requirements, Setting, ShadowTechnique, TechniqueEntry};
 pub use error::ShadowError;
