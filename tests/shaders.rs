@@ -21,8 +21,12 @@ const USED: &[(&str, &[&str], &[&str])] = &[
         &["vertex", "fullscreen_vertex", "count", "count_front", "count_back", "darken_counted"],
     ),
     ("surface_depth", &[], &["vertex"]),
-    ("surface_factor", &["COUNTS", "VISIBILITY", "MASKED"], &["vertex", "factor"]),
-    ("surface_measure", &["HALVES", "MASKED"], &["vertex", "visible_triangle"]),
+    ("surface_factor", &["COUNTS", "VISIBILITY", "MASKED", "OWN_SHADOW"], &["vertex", "factor"]),
+    (
+        "surface_measure",
+        &["HALVES", "MASKED", "NORMALS"],
+        &["vertex", "visible_triangle", "receiver_normal", "triangle_and_normal"],
+    ),
     ("surface_shade", SHADE_FLAGS, &["vertex", "opaque", "blended", "masked_depth"]),
 ];
 
@@ -39,6 +43,7 @@ const SHADE_FLAGS: &[&str] = &[
     "OCCLUSION_TEXTURE",
     "ONE_CHANNEL",
     "ONE_LIGHT",
+    "OWN_SHADOW",
     "SECOND_UV",
     "SMOOTH_TERMINATOR",
     "SURFACE_FUNCTION",

@@ -7,8 +7,12 @@
 #endif
 
 @group(1) @binding(1) var<storage, read> indices: array<u32>;
-// Two bits for each triangle of the frame: bit 0, the eye sees the side turned away from the light.
+// With OWN_SHADOW the factor says by itself what the surface is turned away from.
+#if OWN_SHADOW
+#else
+// A bit for each triangle of the frame: the eye sees the side turned away from the light.
 @group(1) @binding(3) var<storage, read> turned_away: array<u32>;
+#endif
 #if COUNTS
 @group(1) @binding(4) var counts: texture_2d<u32>;
 #endif
@@ -19,7 +23,10 @@
 struct Varyings {
     @builtin(position) @invariant clip: vec4f,
     @location(0) p_in_view: vec3f,
+#if OWN_SHADOW
+#else
     @location(1) @interpolate(flat, first) dark_side: u32,
+#endif
     @location(2) @interpolate(flat, first) receives: u32,
 #if MASKED
     @location(3) uvs: Uvs,
@@ -31,12 +38,14 @@ struct Varyings {
 fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) instance: u32) -> Varyings {
     let vertex = indices[corner];
     let p = local_position(vertex);
-    let triangle = instances[instance].first_triangle + corner / 3u;
-    let dark_side = (turned_away[triangle / 32u] >> (triangle % 32u)) & 1u;
     var out: Varyings;
     out.clip = clip_from_local(instance, p);
     out.p_in_view = view_from_local(instance, p);
-    out.dark_side = dark_side;
+#if OWN_SHADOW
+#else
+    let triangle = instances[instance].first_triangle + corner / 3u;
+    out.dark_side = (turned_away[triangle / 32u] >> (triangle % 32u)) & 1u;
+#endif
     out.receives = instances[instance].flags & 1u;
 #if MASKED
     out.uvs = vertex_uvs(vertex);
@@ -55,9 +64,12 @@ fn factor(in: Varyings) -> @location(0) vec4f {
     if in.receives == 0u {
         return vec4f(1.0);
     }
+#if OWN_SHADOW
+#else
     if in.dark_side == 1u {
         return vec4f(0.0, 0.0, 0.0, 1.0);
     }
+#endif
     let pixel = vec2u(in.clip.xy);
     var result = vec3f(1.0);
 #if COUNTS

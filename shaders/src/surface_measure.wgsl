@@ -1,4 +1,4 @@
-// What tests and reports compare: the visible triangle of every pixel, and the linear factor of one light there.
+// What is seen at every pixel: which triangle, for techniques, tests and reports; and its normal, for techniques.
 // Vertices are pulled by index so that the triangle's number is known without any optional feature.
 
 #import common/frame
@@ -17,7 +17,55 @@ struct Varyings {
     @location(2) uvs: Uvs,
     @location(3) alpha: f32,
 #endif
+#if NORMALS
+    @location(4) @interpolate(flat, first) normal: vec4f,
+#endif
 }
+
+#if NORMALS
+fn largest(v: vec3f) -> f32 {
+    return max(abs(v.x), max(abs(v.y), abs(v.z)));
+}
+
+// Its direction, for a vector of any size; 1e-37 keeps zero from being divided by zero.
+fn scaled(v: vec3f) -> vec3f {
+    return v / max(largest(v), 1e-37);
+}
+
+// Unit normal of the triangle that begins with this corner, in view space on the eye's side.
+fn geometric_normal(instance: u32, first: u32) -> vec3f {
+    let a = local_position(indices[first]);
+    let b = local_position(indices[first + 1u]);
+    let c = local_position(indices[first + 2u]);
+    // Edges are taken between positions as they are stored, and turned as directions: in view space the triangle's
+    // distance would have cost their last digits. Scaled, so that no product leaves the range of f32.
+    let ab_in_view = view_direction_from_local(instance, b - a);
+    let bc_in_view = view_direction_from_local(instance, c - b);
+    let ca_in_view = view_direction_from_local(instance, a - c);
+    let size = max(max(largest(ab_in_view), largest(bc_in_view)), max(largest(ca_in_view), 1e-37));
+    let ab = ab_in_view / size;
+    let bc = bc_in_view / size;
+    let ca = ca_in_view / size;
+    // The product of the two shorter edges is the least rounded.
+    let longest = max(dot(ab, ab), max(dot(bc, bc), dot(ca, ca)));
+    var n = cross(scaled(ab), scaled(bc));
+    if dot(ab, ab) == longest {
+        n = cross(scaled(bc), scaled(ca));
+    } else if dot(bc, bc) == longest {
+        n = cross(scaled(ca), scaled(ab));
+    }
+    // The side of the eye is told from the nearest corner: farther ones carry larger roundings.
+    var nearest = view_from_local(instance, a);
+    let b_in_view = view_from_local(instance, b);
+    let c_in_view = view_from_local(instance, c);
+    nearest = select(nearest, b_in_view, dot(b_in_view, b_in_view) < dot(nearest, nearest));
+    nearest = select(nearest, c_in_view, dot(c_in_view, c_in_view) < dot(nearest, nearest));
+    let towards_eye = select(vec3f(0.0, 0.0, 1.0), -nearest, frame.eye_w > 0.0);
+    // Without an area it is seen nowhere; its normal is still one.
+    n = normalize(select(scaled(n), vec3f(0.0, 0.0, 1.0), largest(n) < 1e-30));
+    return select(n, -n, dot(n, towards_eye) < 0.0);
+}
+#endif
 
 @vertex
 fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) instance: u32) -> Varyings {
@@ -29,6 +77,9 @@ fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) instance:
 #if MASKED
     out.uvs = vertex_uvs(vertex);
     out.alpha = vertex_alpha(vertex);
+#endif
+#if NORMALS
+    out.normal = vec4f(geometric_normal(instance, corner - corner % 3u), f32(instances[instance].flags & 1u));
 #endif
     return out;
 }
@@ -51,3 +102,31 @@ fn visible_triangle(in: Varyings) -> @location(0) vec2u {
     return vec2u(in.instance, in.triangle);
 #endif
 }
+
+#if NORMALS
+// Its normal, and 1 where the surface receives shadows.
+@fragment
+fn receiver_normal(in: Varyings) -> @location(0) vec4f {
+#if MASKED
+    if has_hole(in.uvs, in.alpha) {
+        discard;
+    }
+#endif
+    return in.normal;
+}
+
+struct TriangleAndNormal {
+    @location(0) triangle: vec2u,
+    @location(1) normal: vec4f,
+}
+
+@fragment
+fn triangle_and_normal(in: Varyings) -> TriangleAndNormal {
+#if MASKED
+    if has_hole(in.uvs, in.alpha) {
+        discard;
+    }
+#endif
+    return TriangleAndNormal(vec2u(in.instance, in.triangle), in.normal);
+}
+#endif

@@ -215,7 +215,10 @@ fn ends_smooth(in: Varyings, light: u32) -> bool {
 fn lit_by(light: Light, s: Surface, pixel: vec2u, receives: u32, smooth_end: bool) -> vec3f {
     let incoming = illumination(light, s.p_in_view);
     // Light from behind the surface proper lights nothing, whatever a smooth normal says, unless it was asked for.
-    let behind = !smooth_end && dot(s.geometric_in_view, incoming.towards) <= 0.0;
+    var behind = !smooth_end && dot(s.geometric_in_view, incoming.towards) <= 0.0;
+#if OWN_SHADOW
+    behind = behind && light.own_shadow == 0u;
+#endif
 #if SURFACE_FUNCTION
     // Asked for every light, whatever arrives: its derivatives need all pixels of a quad.
     let past_casters = select(vec3f(1.0), shadow_factor(light, pixel), receives == 1u);

@@ -345,7 +345,7 @@ impl Executor {
             .lights
             .iter()
             .zip(&plan.lights)
-            .map(|(light, planned)| LightUniform::new(light, planned.factor, &view_from_world, exposure))
+            .map(|(light, planned)| LightUniform::new(light, planned, &view_from_world, exposure))
             .collect();
         let capacity = if lights.len() <= FEW_LIGHTS { FEW_LIGHTS } else { MAX_LIGHTS };
         lights.resize(capacity, LightUniform::zeroed());

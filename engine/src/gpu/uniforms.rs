@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4, Mat4, Vec3};
 
-use crate::plan::FactorAt;
+use crate::plan::{FactorAt, LightPlanned};
 use crate::scene::{Instance, LightKind, Posed, PosedCamera, PosedLight};
 
 /// `struct Frame` of common/frame.wgsl.
@@ -53,7 +53,7 @@ pub struct LightUniform {
     pub cone_offset: f32,
     pub factor_kind: u32,
     pub factor_index: u32,
-    pub pad_0: u32,
+    pub own_shadow: u32,
 }
 
 /// Names and byte offsets of a structure's fields, and its whole size: what the layout test compares.
@@ -74,7 +74,7 @@ pub(super) use layout;
 
 layout!(FrameUniform: clip_from_view, view_from_clip, view_from_world, size_px, exposure, light_count, ambient, tone_map, up_in_view, eye_w);
 layout!(InstanceUniform: row_x, row_y, row_z, normal_x, normal_y, normal_z, flags, first_triangle, smooth_terminators, pad_0);
-layout!(LightUniform: position, radiance, inverse_range, direction, cone_scale, cone_offset, factor_kind, factor_index, pad_0);
+layout!(LightUniform: position, radiance, inverse_range, direction, cone_scale, cone_offset, factor_kind, factor_index, own_shadow);
 
 impl FrameUniform {
     pub(crate) fn new(
@@ -146,7 +146,7 @@ fn normal_matrix(m: DMat3) -> DMat3 {
 impl LightUniform {
     pub(crate) fn new(
         light: &PosedLight,
-        factor: FactorAt,
+        planned: &LightPlanned,
         view_from_world: &DAffine3,
         exposure: f32,
     ) -> Self {
@@ -163,7 +163,7 @@ impl LightUniform {
             }
             _ => (0.0, 1.0),
         };
-        let (factor_kind, factor_index) = match factor {
+        let (factor_kind, factor_index) = match planned.factor {
             FactorAt::Lit | FactorAt::Darkening => (0, 0),
             FactorAt::Counts => (1, 0),
             FactorAt::MaskBit(bit) => (2, bit),
@@ -179,7 +179,7 @@ impl LightUniform {
             cone_offset: cone_offset as f32,
             factor_kind,
             factor_index,
-            pad_0: 0,
+            own_shadow: u32::from(planned.own_shadow),
         }
     }
 }

@@ -23,6 +23,7 @@ pub(super) struct Segment {
     /// Whether the light is shaded as if unshadowed and its counts go into the one darkening.
     pub(super) darkens: bool,
     pub(super) smooth_terminators: Vec<u32>,
+    pub(super) own_shadow: bool,
 }
 
 /// Everything that is known when the pieces of the frame are put together.
@@ -41,6 +42,8 @@ pub(super) struct Assembly<'a> {
     pub(super) visibility: SlotId,
     /// The visible triangle of every pixel, when a technique asks for it.
     pub(super) triangles: Option<SlotId>,
+    /// The normal of the surface that every pixel shows, when a technique asks for it.
+    pub(super) normals: Option<SlotId>,
 }
 
 impl Assembly<'_> {
@@ -78,10 +81,7 @@ impl Assembly<'_> {
             let pass = self.prepass(any_counts);
             self.b.passes.push(pass);
         }
-        let visible_triangles = match (self.request.factors, self.triangles) {
-            (false, None) => None,
-            _ => Some(self.visible_triangles()?),
-        };
+        let visible_triangles = self.what_is_seen()?;
         let (mut bit, mut layer) = (0, 0);
         let mut lights = Vec::new();
         let mut darkening = Vec::new();
@@ -109,7 +109,7 @@ impl Assembly<'_> {
                 self.b.passes.push(self.resolve_to_visibility(&name, layer));
             }
             let wanted = self.request.factors && segment.claimed;
-            let factor_image = wanted.then(|| self.factor_image(index, factor, visible_triangles));
+            let factor_image = wanted.then(|| self.factor_image(index, (factor, segment.own_shadow), visible_triangles));
             if factor_alone {
                 self.b.passes.push(self.forget_counts(&name));
             }
@@ -118,8 +118,15 @@ impl Assembly<'_> {
             }
             bit += u32::from(matches!(factor, FactorAt::MaskBit(_)));
             layer += u32::from(segment.visibility.is_some());
-            let Segment { techniques, smooth_terminators, .. } = segment;
-            lights.push(LightPlanned { name, factor, techniques, smooth_terminators, factor_image });
+            let Segment { techniques, smooth_terminators, own_shadow, .. } = segment;
+            lights.push(LightPlanned {
+                name,
+                factor,
+                techniques,
+                smooth_terminators,
+                own_shadow,
+                factor_image,
+            });
         }
         self.shading(prepass, any_counts, mask, layers > 0, &lights);
         if let Some(weight) = weight.filter(|_| !darkening.is_empty()) {

@@ -14,10 +14,51 @@ use crate::plan::{
 };
 use crate::shadow::hash_of;
 
+/// Where nothing is seen.
+const NO_NORMAL: Load = Load::Clear([0.0; 4]);
+
 impl Assembly<'_> {
-    /// (instance, triangle) of every pixel, with a depth test of its own so that of two coincident surfaces the
-    /// first drawn wins, as in the prepass.
-    pub(super) fn visible_triangles(&mut self) -> Result<SlotId, FrameError> {
+    /// (instance, triangle) of every pixel and the normal there, as far as they are wanted, with a depth test of its
+    /// own so that of two coincident surfaces the first drawn wins, as in the prepass.
+    pub(super) fn what_is_seen(&mut self) -> Result<Option<SlotId>, FrameError> {
+        let wanted = self.request.factors || self.triangles.is_some();
+        match (wanted, self.normals) {
+            (false, None) => Ok(None),
+            (false, Some(normals)) => {
+                let color = ColorTarget { slot: normals, layer: 0, load: NO_NORMAL, resolve: None };
+                let reason = "a technique asks which way each pixel's surface faces";
+                self.seen_pass("receiver normals", reason, ("receiver_normal", &["NORMALS"]), vec![color]);
+                Ok(None)
+            }
+            (true, normals) => Ok(Some(self.visible_triangles(normals)?)),
+        }
+    }
+
+    /// A pass over what is seen, one pixel or sample one triangle.
+    fn seen_pass(
+        &mut self,
+        name: &str,
+        reason: &str,
+        (fragment, flags): (&'static str, &[&str]),
+        colors: Vec<ColorTarget>,
+    ) {
+        let samples = colors.first().map_or(1, |color| self.b.slots[color.slot.0].samples());
+        let format = TextureFormat::Depth32Float;
+        let depth = self.b.samples("depth of visible triangles", format, samples, reason);
+        let targets = vec![Some(BlendState::REPLACE); colors.len()];
+        let mut state = DrawState::new(CompareFunction::Greater, targets);
+        state.depth_write = true;
+        let draws = self.pulled_draws("surface_measure", flags, fragment, &state, &[]);
+        self.b.passes.push(Pass {
+            name: name.into(),
+            reason: reason.into(),
+            colors,
+            depth: Some(DepthTarget { slot: depth, depth: Access::Clear(0.0), stencil: None }),
+            draws,
+        });
+    }
+
+    fn visible_triangles(&mut self, normals: Option<SlotId>) -> Result<SlotId, FrameError> {
         let reason = if self.request.factors {
             "measuring compares where reference and GPU see the same triangle"
         } else {
@@ -34,26 +75,20 @@ impl Assembly<'_> {
         } else {
             self.b.texture("visible triangles", TextureFormat::Rg32Uint, 1, reason)
         };
-        let format = TextureFormat::Depth32Float;
-        let depth = self.b.samples("depth of visible triangles", format, samples, reason);
-        let flags: &[&str] = if self.multisampled() { &["HALVES"] } else { &[] };
-        let mut state = DrawState::new(CompareFunction::Greater, vec![Some(BlendState::REPLACE)]);
-        state.depth_write = true;
-        let draws = self.pulled_draws("surface_measure", flags, "visible_triangle", &state, &[]);
         // Every bit set, and triangle 0 where there are bits for it.
         let [nothing, triangle] = if self.multisampled() { [65535.0; 2] } else { [f64::from(u32::MAX), 0.0] };
-        self.b.passes.push(Pass {
-            name: "visible triangles".into(),
-            reason: reason.into(),
-            colors: vec![ColorTarget {
-                slot,
-                layer: 0,
-                load: Load::Clear([nothing, nothing, triangle, triangle]),
-                resolve: None,
-            }],
-            depth: Some(DepthTarget { slot: depth, depth: Access::Clear(0.0), stencil: None }),
-            draws,
-        });
+        let load = Load::Clear([nothing, nothing, triangle, triangle]);
+        let mut colors = vec![ColorTarget { slot, layer: 0, load, resolve: None }];
+        colors.extend(normals.map(|slot| ColorTarget { slot, layer: 0, load: NO_NORMAL, resolve: None }));
+        let (name, shader): (_, (&str, &[&str])) = match normals {
+            // What each pixel faces is refused with several samples.
+            _ if self.multisampled() => ("visible triangles", ("visible_triangle", &["HALVES"])),
+            None => ("visible triangles", ("visible_triangle", &[])),
+            Some(_) => {
+                ("visible triangles and receiver normals", ("triangle_and_normal", &["NORMALS"]))
+            }
+        };
+        self.seen_pass(name, reason, shader, colors);
         Ok(if self.multisampled() { self.triangles_of_samples(slot) } else { slot })
     }
 
@@ -96,7 +131,7 @@ impl Assembly<'_> {
     pub(super) fn factor_image(
         &mut self,
         light: usize,
-        factor: FactorAt,
+        (factor, own_shadow): (FactorAt, bool),
         triangles: Option<SlotId>,
     ) -> SlotId {
         let name = &self.posed.lights[light].name;
@@ -109,8 +144,8 @@ impl Assembly<'_> {
         let name = format!("factor of {name}");
         let size_px = self.request.antialias.factor_size_px(self.request.size_px);
         let slot = self.b.texture_sized(&name, format, size_px, 1, "asked for");
-        let turned_away = self.turned_away(light);
-        let mut bindings = vec![(3, Binding::Storage(turned_away))];
+        let turned_away = (!own_shadow).then(|| self.turned_away(light));
+        let mut bindings: Vec<_> = turned_away.map(|slot| (3, Binding::Storage(slot))).into_iter().collect();
         let flags: &[&str] = match factor {
             FactorAt::Counts | FactorAt::MaskBit(_) | FactorAt::Darkening => {
                 bindings.push((4, Binding::StencilOf(self.depth)));
@@ -118,7 +153,7 @@ impl Assembly<'_> {
             }
             FactorAt::Visibility(layer) => {
                 bindings.push((4, Binding::TextureLayer(self.visibility, layer)));
-                &["VISIBILITY"]
+                if own_shadow { &["VISIBILITY", "OWN_SHADOW"] } else { &["VISIBILITY"] }
             }
             FactorAt::Lit => &[],
         };

@@ -69,7 +69,7 @@ pub fn plan_frame(
     let mut segments = Vec::new();
     let mut layers = 0;
     let mut darkening = None;
-    let mut triangles = None;
+    let (mut triangles, mut normals) = (None, None);
     for (index, claims) in registry.lights.iter().enumerate() {
         let mut segment = Segment {
             passes: vec![],
@@ -79,6 +79,7 @@ pub fn plan_frame(
             claimed: !claims.is_empty(),
             darkens: false,
             smooth_terminators: vec![],
+            own_shadow: false,
         };
         let light = &posed.lights[index];
         if claims.is_empty() {
@@ -95,7 +96,8 @@ pub fn plan_frame(
                     continue;
                 }
                 let darkened_before = segment.darkens;
-                let mut darkens = false;
+                let (mut darkens, mut own_shadow) = (false, false);
+                let passes_before = b.passes.len();
                 let required = claim.technique.requirements().required;
                 let mut light_plan = LightPlan {
                     posed,
@@ -116,10 +118,15 @@ pub fn plan_frame(
                     darkens: &mut darkens,
                     smooth_terminators: &mut segment.smooth_terminators,
                     visible_triangles: &mut triangles,
+                    receiver_normals: &mut normals,
+                    own_shadow: &mut own_shadow,
                 };
                 light_plan.require(required, "always")?;
                 claim.technique.plan(&mut light_plan)?;
                 segment.darkens |= darkens;
+                let own = b.passes.get(passes_before..).unwrap_or_default();
+                let mut targets = own.iter().flat_map(|pass| &pass.colors);
+                segment.own_shadow |= own_shadow && targets.any(|color| color.slot == visibility);
                 if segment.darkens && (segment.counts || segment.visibility.is_some()) {
                     let (own, other) = (claim.node.clone(), last.unwrap_or(&claim.node).clone());
                     let (darkening, other) = if darkened_before { (other, own) } else { (own, other) };
@@ -127,7 +134,7 @@ pub fn plan_frame(
                     return Err(ShadowError::DarkenedTwice { light, darkening, other }.into());
                 }
                 last = Some(&claim.node);
-                check_per_sample(&b, claim, depth, segment.visibility, triangles)?;
+                check_per_sample(&b, claim, depth, segment.visibility, [triangles, normals])?;
             }
             segment.passes = std::mem::take(&mut b.passes);
             layers += u32::from(segment.visibility.is_some());
@@ -158,6 +165,7 @@ pub fn plan_frame(
         depth,
         visibility,
         triangles,
+        normals,
     };
     let plan = assembly.assemble(segments, darkening.map(|darkening| darkening.weight))?;
     plan.validate().map_err(ShadowError::from)?;
@@ -183,13 +191,14 @@ fn drawn_size_px(request: &FrameRequest, adapter: &Adapter<'_>) -> Result<[u32; 
 }
 
 /// Counts are kept for every sample by the stencil itself. A visibility target is written once for each fragment: its
-/// samples would all hold the factor of one point, and edges would be as wrong as without antialiasing.
+/// samples would all hold the factor of one point, and edges would be as wrong as without antialiasing. So would the
+/// `images` of what each pixel shows.
 fn check_per_sample(
     b: &PlanBuilder,
     claim: &Claim,
     depth: SlotId,
     visibility: Option<Channels>,
-    triangles: Option<SlotId>,
+    images: [Option<SlotId>; 2],
 ) -> Result<(), FrameError> {
     if b.slots[depth.0].samples() == 1 {
         return Ok(());
@@ -201,8 +210,11 @@ fn check_per_sample(
             SlotKind::Texture { format, samples: 1, .. } => Some(format),
             _ => None,
         });
-    let triangles = triangles.map(|_| TextureFormat::Rg32Uint);
-    let Some(format) = counter.or(visibility.map(Channels::format)).or(triangles) else { return Ok(()) };
+    let image = images.into_iter().flatten().find_map(|slot| match b.slots[slot.0].kind {
+        SlotKind::Texture { format, .. } => Some(format),
+        _ => None,
+    });
+    let Some(format) = counter.or(visibility.map(Channels::format)).or(image) else { return Ok(()) };
     Err(FrameError::Shadow(ShadowError::NotPerSample {
         node: claim.node.clone(),
         technique: claim.technique.type_name(),

@@ -383,6 +383,9 @@ pub struct LightPlanned {
     pub techniques: Vec<String>,
     /// Instances that are shaded by their normals alone where they turn away from the light.
     pub smooth_terminators: Vec<u32>,
+    /// Whether its factor holds the receiver's own shadow too: surfaces turned away from the light's centre are as
+    /// dark as the factor says, not dark by themselves.
+    pub own_shadow: bool,
     /// Index of the factor image slot, when one was asked for.
     pub factor_image: Option<SlotId>,
 }

@@ -24,10 +24,10 @@ impl fmt::Display for FramePlan {
             let techniques =
                 if light.techniques.is_empty() { "no shadow".into() } else { light.techniques.join(", ") };
             write!(f, "  light {}: {techniques} -> {:?}", light.name, light.factor)?;
-            match light.smooth_terminators.len() {
-                0 => writeln!(f)?,
-                count => writeln!(f, ", smooth terminators: {count}")?,
+            if !light.smooth_terminators.is_empty() {
+                write!(f, ", smooth terminators: {}", light.smooth_terminators.len())?;
             }
+            writeln!(f, "{}", if light.own_shadow { ", own shadows in its factor" } else { "" })?;
         }
         for pass in &self.passes {
             self.write_pass(f, pass)?;

@@ -32,8 +32,12 @@ pub enum Channels {
     Rgb,
 }
 
+/// The format of [`LightPlan::receiver_normals`]: a horizon is decided by all digits that positions have.
+const RECEIVER_NORMALS: TextureFormat = TextureFormat::Rgba32Float;
+
 /// The lights that may have smooth terminators: a bit for each of them goes with every instance.
 pub const MAX_SMOOTH_LIGHTS: usize = 32;
+
 impl Channels {
     /// The format of visibility targets that hold these.
     pub fn format(self) -> TextureFormat {
@@ -71,6 +75,8 @@ pub struct LightPlan<'a> {
     pub(crate) darkens: &'a mut bool,
     pub(crate) smooth_terminators: &'a mut Vec<u32>,
     pub(crate) visible_triangles: &'a mut Option<SlotId>,
+    pub(crate) receiver_normals: &'a mut Option<SlotId>,
+    pub(crate) own_shadow: &'a mut bool,
 }
 
 /// The one darkening of a frame's finished picture.
@@ -136,6 +142,27 @@ impl<'a> LightPlan<'a> {
             let reason = "a technique asks which triangle each pixel shows";
             builder.texture("visible triangles", TextureFormat::Rg32Uint, 1, reason)
         })
+    }
+
+    /// The normal of the surface that every pixel shows, as `texture_2d<f32>`: x, y and z are the unit normal of the
+    /// visible triangle in view space, on the eye's side; w is 1 where the surface receives shadows, 0 where it does
+    /// not or nothing is seen. The triangle's own normal, not one blended between vertices. In the plan only when some
+    /// technique calls this.
+    pub fn receiver_normals(&mut self) -> SlotId {
+        let builder = &mut *self.builder;
+        *self.receiver_normals.get_or_insert_with(|| {
+            let reason = "a technique asks which way each pixel's surface faces";
+            builder.texture("receiver normals", RECEIVER_NORMALS, 1, reason)
+        })
+    }
+
+    /// Says that what this technique leaves in the light's visibility holds the receiver's own shadow too: what part of
+    /// the light lies beyond the horizon of the surface. Nothing else darkens surfaces then for being turned away from
+    /// the light's centre, neither in pictures, beyond the cosine of their normals, nor in factors, whatever other
+    /// techniques serve the light: a light's factor is the product of what they leave, and the horizon is in one of
+    /// them. Without effect when the technique adds no pass that writes the light's visibility.
+    pub fn decides_own_shadow(&mut self) {
+        *self.own_shadow = true;
     }
 
     /// The attachment for a pass that tests against the receivers' depth and leaves depth and stencil alone.

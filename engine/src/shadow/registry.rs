@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{Catalog, ShadowError, ShadowTechnique};
+use super::{Catalog, LightSize, ShadowError, ShadowTechnique};
 use crate::scene::{Params, Posed};
 
 /// What one node casts for one light.
@@ -19,6 +19,13 @@ pub struct Claim {
     pub casters: Vec<usize>,
     /// Indices into [`Posed::instances`], ascending.
     pub receivers: Vec<usize>,
+}
+
+impl Claim {
+    /// How large the technique takes the light to be: what its part of the factor is compared with.
+    pub fn light_size(&self) -> LightSize {
+        self.technique.light_size()
+    }
 }
 
 /// All claims of a scene, by light.

@@ -16,7 +16,8 @@ struct Light {
     factor_kind: u32,
     // The bit or the layer.
     factor_index: u32,
-    pad_0: u32,
+    // 1 where its factor holds the receiver's own shadow too: the night begins where the factor says.
+    own_shadow: u32,
 }
 
 // A uniform, not a storage buffer: software adapters read storage lane by lane. The larger array is as much as every

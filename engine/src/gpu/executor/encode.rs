@@ -19,9 +19,9 @@ use crate::plan::{
 use crate::scene::{Instance, Material, Posed};
 
 /// The flags of surface_shade for what a draw reads, by binding number (the depth of samples is number 3), whether a
-/// visibility has one channel, and whether any light has smooth terminators.
-const READ_FLAGS: [&str; 6] =
-    ["COUNTS", "MASK", "VISIBILITY", "MULTISAMPLED", "ONE_CHANNEL", "SMOOTH_TERMINATOR"];
+/// visibility has one channel, whether any light has smooth terminators, and whether any factor holds own shadows.
+const READ_FLAGS: [&str; 7] =
+    ["COUNTS", "MASK", "VISIBILITY", "MULTISAMPLED", "ONE_CHANNEL", "SMOOTH_TERMINATOR", "OWN_SHADOW"];
 
 /// What recording needs to know besides the executor's own stores.
 pub(super) struct Scene<'a> {
@@ -283,6 +283,7 @@ impl Executor {
             |(_, binding): &(u32, Binding)| scene.format(binding.slot()) == TextureFormat::R16Float;
         read |= u32::from(draw.bindings.iter().any(one_channel)) << 4;
         read |= u32::from(scene.plan.lights.iter().any(|light| !light.smooth_terminators.is_empty())) << 5;
+        read |= u32::from(scene.plan.lights.iter().any(|light| light.own_shadow)) << 6;
         let shader =
             self.surface_shaders.entry((style, read, features, function.cloned())).or_insert_with(|| {
                 let read_flags = READ_FLAGS.iter().enumerate().filter(|(bit, _)| read >> bit & 1 == 1);
