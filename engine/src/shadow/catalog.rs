@@ -39,6 +39,12 @@ pub trait ShadowTechnique: fmt::Debug + Send + Sync {
         LightSize::NONE
     }
 
+    /// How many of [`light_samples`](super::light_samples) its factors are the visible share of, if they are: what it draws
+    /// is then compared sample by sample. `None` where it approximates the whole light.
+    fn light_sample_count(&self) -> Option<u32> {
+        None
+    }
+
     /// Whether `instance` casts through this technique: `Ok(false)` leaves it to others.
     ///
     /// # Errors

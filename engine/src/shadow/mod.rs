@@ -10,6 +10,7 @@ mod catalog;
 mod culling;
 mod error;
 mod light_plan;
+mod light_samples;
 mod options;
 mod registry;
 
@@ -18,6 +19,7 @@ pub use cache::{Cache, hash_of};
 pub use catalog::{Catalog, Requirements, Setting, ShadowTechnique, TechniqueEntry};
 pub use error::ShadowError;
 pub use light_plan::{Channels, LightPlan, MAX_SMOOTH_LIGHTS, View};
+pub use light_samples::{MAX_LIGHT_SAMPLES, light_samples};
 pub use options::{OptionError, OptionReader};
 pub use registry::{Claim, Registry};
 /// What an adapter can do beyond the basics.
