@@ -13,13 +13,18 @@ use super::meshes::Meshes;
 use super::pipelines::Pipelines;
 use super::readback::{Pending, read_buffer};
 use super::{FrameUniform, Gpu, GpuError, InstanceUniform, LightUniform, Pixels};
-use crate::plan::{BufferUsage, FramePlan, Geometry, LightPlanned, Shader, SlotId, SlotKind, SurfaceStyle};
+use crate::plan::{
+    BufferUsage, FramePlan, Geometry, LightPlanned, Pass, Shader, Slot, SlotId, SlotKind, SurfaceStyle,
+};
 use crate::scene::{Posed, PosedCamera, SurfaceFunction};
 use crate::shadow::MAX_SMOOTH_LIGHTS;
+
+use kept::{KeptTextures, is_due};
 
 mod attachments;
 pub(super) mod budget;
 mod encode;
+mod kept;
 
 /// What is timed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -64,6 +69,8 @@ pub struct PassTime {
 pub struct Executed {
     /// The slots asked for, in that order.
     pub pixels: Vec<Pixels>,
+    /// The names of the passes that did not run, since what they draw was kept from an earlier frame.
+    pub kept: Vec<String>,
     /// GPU times, in order; empty when nothing was timed or the adapter has no timestamps.
     pub times: Vec<PassTime>,
     /// GPU time from the first pass's beginning to the last one's end, in milliseconds.
@@ -83,6 +90,7 @@ pub struct Executor {
     frame_layout: wgpu::BindGroupLayout,
     surface_shaders: HashMap<SurfaceShaderKey, Option<Shader>>,
     textures: HashMap<TextureKey, Kept<wgpu::Texture>>,
+    kept_textures: KeptTextures,
     buffers: HashMap<(u64, BufferUsage), Kept<wgpu::Buffer>>,
     uploads: u64,
     frame: u64,
@@ -136,6 +144,7 @@ impl Executor {
             frame_layout,
             surface_shaders: HashMap::new(),
             textures: HashMap::new(),
+            kept_textures: KeptTextures::default(),
             buffers: HashMap::new(),
             uploads: 0,
             frame: 0,
@@ -168,9 +177,12 @@ impl Executor {
         self.make_room(plan, inputs)?;
         let gpu = self.gpu.clone();
         let executed = gpu.checked(|| self.execute_within_budget(plan, inputs));
-        if executed.is_err() {
-            // What was allocated for a frame that failed may be invalid.
+        if executed.is_ok() {
+            self.kept_textures.renewed();
+        } else {
+            // What was allocated for a frame that failed may be invalid, and half drawn.
             self.textures.clear();
+            self.kept_textures.clear();
             self.buffers.clear();
         }
         executed
@@ -184,7 +196,9 @@ impl Executor {
         self.upload_scene(plan, inputs);
         let slots = self.slots(plan, inputs.posed);
         let frame_group = self.frame_group(plan, inputs);
-        let groups = group_passes(plan, inputs.timing != Timing::Passes);
+        let stale = self.kept_textures.stale(plan);
+        let runs = |pass: &Pass| is_due(plan, pass, &stale);
+        let groups = group_passes(plan, inputs.timing != Timing::Passes, runs);
         let queries = self.queries(inputs.timing, groups.len());
 
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -219,6 +233,7 @@ impl Executor {
 
         let mut executed = Executed {
             gpu_bytes: plan.bytes() + self.meshes.bytes() + self.materials.bytes(),
+            kept: plan.passes.iter().filter(|pass| !runs(pass)).map(|pass| pass.name.clone()).collect(),
             ..Executed::default()
         };
         for copy in copies {
@@ -255,6 +270,7 @@ impl Executor {
         self.pipelines.begin_frame();
         let oldest = self.frame.saturating_sub(KEPT_FRAMES);
         self.textures.retain(|_, kept| kept.last_used_frame >= oldest);
+        self.kept_textures.begin_frame(self.frame, oldest);
         self.buffers.retain(|_, kept| kept.last_used_frame >= oldest);
     }
 
@@ -282,27 +298,17 @@ impl Executor {
     fn slots(&mut self, plan: &FramePlan, posed: &Posed) -> Vec<GpuSlot> {
         let frame = self.frame;
         let mut slots = Vec::with_capacity(plan.slots.len());
-        for slot in &plan.slots {
+        let kept_textures = self.kept_textures.textures(&self.gpu, plan);
+        for (slot, kept_texture) in plan.slots.iter().zip(kept_textures) {
+            if let Some(texture) = kept_texture {
+                slots.push(GpuSlot::Texture(texture));
+                continue;
+            }
             slots.push(match &slot.kind {
                 SlotKind::Texture { format, size_px, layers, samples } => {
                     let key = (slot.name.clone(), *format, *size_px, *layers, *samples);
                     let kept = self.textures.entry(key).or_insert_with(|| Kept {
-                        value: self.gpu.device.create_texture(&wgpu::TextureDescriptor {
-                            label: Some(&slot.name),
-                            size: wgpu::Extent3d {
-                                width: size_px[0],
-                                height: size_px[1],
-                                depth_or_array_layers: *layers,
-                            },
-                            mip_level_count: 1,
-                            sample_count: *samples,
-                            dimension: wgpu::TextureDimension::D2,
-                            format: *format,
-                            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                                | wgpu::TextureUsages::TEXTURE_BINDING
-                                | wgpu::TextureUsages::COPY_SRC,
-                            view_formats: &[],
-                        }),
+                        value: create_texture(&self.gpu, slot, (*format, *size_px, *layers, *samples)),
                         last_used_frame: frame,
                     });
                     kept.last_used_frame = frame;
@@ -393,6 +399,26 @@ impl Executor {
         });
         Some((set, buffer))
     }
+}
+
+/// A texture of (format, width and height in pixels, layers, samples).
+fn create_texture(
+    gpu: &Gpu,
+    slot: &Slot,
+    (format, [width, height], layers, samples): (TextureFormat, [u32; 2], u32, u32),
+) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(&slot.name),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: layers },
+        mip_level_count: 1,
+        sample_count: samples,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
 }
 
 /// `bytes`, or `size` zeros when there are none: an empty array cannot be bound.

@@ -19,12 +19,12 @@ pub(crate) struct PassGroup {
     pub(crate) depth: Option<DepthTarget>,
 }
 
-/// The plan's passes in groups; one group for each pass unless `merge`.
-pub(crate) fn group_passes(plan: &FramePlan, merge: bool) -> Vec<PassGroup> {
+/// The passes of the plan that `runs` says run, in groups; one group for each pass unless `merge`.
+pub(crate) fn group_passes(plan: &FramePlan, merge: bool, runs: impl Fn(&Pass) -> bool) -> Vec<PassGroup> {
     let mut groups: Vec<PassGroup> = Vec::new();
-    for (index, pass) in plan.passes.iter().enumerate() {
+    for (index, pass) in plan.passes.iter().enumerate().filter(|(_, pass)| runs(pass)) {
         match groups.last_mut() {
-            Some(group) if merge && can_join(plan, group, pass) => {
+            Some(group) if merge && group.passes.end == index && can_join(plan, group, pass) => {
                 for color in &pass.colors {
                     match place_of(&group.colors, color) {
                         Some(place) => {

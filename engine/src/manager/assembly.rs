@@ -109,7 +109,8 @@ impl Assembly<'_> {
                 self.b.passes.push(self.resolve_to_visibility(&name, layer));
             }
             let wanted = self.request.factors && segment.claimed;
-            let factor_image = wanted.then(|| self.factor_image(index, (factor, segment.own_shadow), visible_triangles));
+            let factor_image =
+                wanted.then(|| self.factor_image(index, (factor, segment.own_shadow), visible_triangles));
             if factor_alone {
                 self.b.passes.push(self.forget_counts(&name));
             }

@@ -84,9 +84,7 @@ impl Assembly<'_> {
             // What each pixel faces is refused with several samples.
             _ if self.multisampled() => ("visible triangles", ("visible_triangle", &["HALVES"])),
             None => ("visible triangles", ("visible_triangle", &[])),
-            Some(_) => {
-                ("visible triangles and receiver normals", ("triangle_and_normal", &["NORMALS"]))
-            }
+            Some(_) => ("visible triangles and receiver normals", ("triangle_and_normal", &["NORMALS"])),
         };
         self.seen_pass(name, reason, shader, colors);
         Ok(if self.multisampled() { self.triangles_of_samples(slot) } else { slot })

@@ -59,6 +59,8 @@ pub struct Frame {
     pub visible_triangles: Option<Vec<[u32; 2]>>,
     /// The factor of every light that a shadow node serves, if asked for.
     pub factors: Vec<FactorImage>,
+    /// The names of the passes that did not run, since what they draw was kept from an earlier frame.
+    pub kept: Vec<String>,
     /// GPU times of passes.
     pub times: Vec<PassTime>,
     /// GPU time of the whole frame, in milliseconds.
@@ -213,9 +215,17 @@ fn frame_of(
     wanted: Vec<(SlotId, Purpose)>,
     executed: Executed,
 ) -> Result<Frame, PixelsError> {
-    let Executed { pixels, times, gpu_ms, gpu_bytes } = executed;
-    let mut frame =
-        Frame { plan, picture: None, visible_triangles: None, factors: vec![], times, gpu_ms, gpu_bytes };
+    let Executed { pixels, kept, times, gpu_ms, gpu_bytes } = executed;
+    let mut frame = Frame {
+        plan,
+        picture: None,
+        visible_triangles: None,
+        factors: vec![],
+        kept,
+        times,
+        gpu_ms,
+        gpu_bytes,
+    };
     for ((_, purpose), pixels) in wanted.into_iter().zip(pixels) {
         match purpose {
             Purpose::Picture => frame.picture = Some(pixels),

@@ -49,6 +49,28 @@ impl PlanBuilder {
         self.slot(name, SlotKind::Texture { format, size_px, layers, samples: 1 }, reason)
     }
 
+    /// Adds a texture whose contents outlive the frame, under `revision_key`; see
+    /// [`LightPlan::kept_texture`](crate::shadow::LightPlan::kept_texture). Equal in name, format, size and key, it is
+    /// added once.
+    pub fn kept_texture(
+        &mut self,
+        name: &str,
+        format: TextureFormat,
+        size_px: [u32; 2],
+        layers: u32,
+        revision_key: u64,
+        reason: &str,
+    ) -> SlotId {
+        let kind = SlotKind::Texture { format, size_px, layers, samples: 1 };
+        let same = |slot: &Slot| slot.kept == Some(revision_key) && slot.name == name && slot.kind == kind;
+        if let Some(index) = self.slots.iter().position(same) {
+            return SlotId(index);
+        }
+        let slot = self.slot(name, kind, reason);
+        self.slots[slot.0].kept = Some(revision_key);
+        slot
+    }
+
     /// Adds a buffer with contents whose origin hashes to `revision_key`. A buffer with the same key and use is
     /// added once.
     pub fn buffer(
@@ -76,7 +98,7 @@ impl PlanBuilder {
     }
 
     fn slot(&mut self, name: &str, kind: SlotKind, reason: &str) -> SlotId {
-        self.slots.push(Slot { name: name.into(), kind, reason: reason.into() });
+        self.slots.push(Slot { name: name.into(), kind, reason: reason.into(), kept: None });
         SlotId(self.slots.len() - 1)
     }
 

@@ -46,12 +46,15 @@ pub struct Slot {
     pub kind: SlotKind,
     /// Why the frame needs it.
     pub reason: String,
+    /// For a texture whose contents outlive the frame: a hash of all they depend on. The passes that write it run only
+    /// when it does not hold the contents of this key yet.
+    pub kept: Option<u64>,
 }
 
 /// What a slot is made of.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SlotKind {
-    /// A texture the frame draws into; its contents do not outlive the frame.
+    /// A texture the frame draws into; its contents do not outlive the frame, unless [`Slot::kept`] says so.
     Texture {
         /// Texel format.
         format: TextureFormat,
@@ -424,6 +427,15 @@ impl FramePlan {
             SlotKind::Texture { size_px, .. } => size_px,
             SlotKind::Buffer { .. } | SlotKind::Image { .. } => self.size_px,
         }
+    }
+
+    /// The slots that a pass writes: colour attachments, what they are resolved into, depth that is not read-only.
+    pub fn written_by<'a>(&self, pass: &'a Pass) -> impl Iterator<Item = SlotId> + use<'a> {
+        let depth = pass.depth.iter().filter(|depth| {
+            depth.depth != Access::ReadOnly || depth.stencil.is_some_and(|s| s != Access::ReadOnly)
+        });
+        let colors = pass.colors.iter().flat_map(|color| [Some(color.slot), color.resolve]);
+        colors.flatten().chain(depth.map(|depth| depth.slot))
     }
 
     /// The bytes of all slots.

@@ -56,6 +56,9 @@ impl fmt::Display for Slot {
             SlotKind::Buffer { usage: BufferUsage::Index, .. } => write!(f, "index buffer")?,
             SlotKind::Image { .. } => write!(f, "image of the scene")?,
         }
+        if let Some(key) = self.kept {
+            write!(f, ", kept under {key:016x}")?;
+        }
         write!(f, ", {} bytes: {}", self.bytes(), self.reason)
     }
 }
@@ -67,6 +70,9 @@ impl FramePlan {
 
     fn write_pass(&self, f: &mut fmt::Formatter<'_>, pass: &Pass) -> fmt::Result {
         writeln!(f, "  pass '{}': {}", pass.name, pass.reason)?;
+        if let Some(slot) = self.written_by(pass).find(|slot| self.slots[slot.0].kept.is_some()) {
+            writeln!(f, "    kept: runs only when '{}' does not hold this key yet", self.name_of(slot))?;
+        }
         for color in &pass.colors {
             let load = match color.load {
                 Load::Clear(_) => "clear",

@@ -31,6 +31,12 @@ pub enum PlanError {
     Resolve { pass: String, from: String, into: String },
     #[error("pass '{pass}' reads '{slot}' while writing it")]
     ReadWhileWritten { pass: String, slot: String },
+    #[error(
+        "pass '{pass}' writes '{kept}', which is kept between frames, and '{other}', which is not: it would be missing where the pass does not run"
+    )]
+    KeptBesideOthers { pass: String, kept: String, other: String },
+    #[error("'{slot}' is kept between frames, but is {found}: only textures of one sample are kept")]
+    NotKeepable { slot: String, found: String },
     #[error("draw '{draw}' of pass '{pass}' states {given} colour targets, the pass has {needed}")]
     TargetCount { pass: String, draw: String, given: usize, needed: usize },
     #[error(
@@ -65,6 +71,9 @@ impl FramePlan {
     /// # Errors
     /// The first thing found wrong, naming pass and slot.
     pub fn validate(&self) -> Result<(), PlanError> {
+        if let Some(slot) = self.slots.iter().find(|slot| slot.kept.is_some() && !is_keepable(slot)) {
+            return Err(PlanError::NotKeepable { slot: slot.name.clone(), found: slot.to_string() });
+        }
         let mut written: HashSet<(SlotId, u32)> = HashSet::new();
         let mut stencil_cleared = false;
         for pass in &self.passes {
@@ -92,6 +101,7 @@ impl FramePlan {
                 }
             }
             self.check_samples(pass)?;
+            self.check_kept(pass)?;
             self.check_draws(pass, &written)?;
             written.extend(pass.colors.iter().map(|color| (color.slot, color.layer)));
             written.extend(pass.colors.iter().filter_map(|color| Some((color.resolve?, 0))));
@@ -160,6 +170,20 @@ impl FramePlan {
             }
         }
         Ok(())
+    }
+
+    /// A pass that does not run every frame leaves behind nothing that every frame needs.
+    fn check_kept(&self, pass: &Pass) -> Result<(), PlanError> {
+        let slots: Vec<&Slot> =
+            self.written_by(pass).map(|id| self.slot_of(pass, id)).collect::<Result<_, _>>()?;
+        let kept = slots.iter().find(|slot| slot.kept.is_some());
+        match (kept, slots.iter().find(|slot| slot.kept.is_none())) {
+            (Some(kept), Some(other)) => {
+                let (kept, other) = (kept.name.clone(), other.name.clone());
+                Err(PlanError::KeptBesideOthers { pass: pass.name.clone(), kept, other })
+            }
+            _ => Ok(()),
+        }
     }
 
     fn check_draws(&self, pass: &Pass, written: &HashSet<(SlotId, u32)>) -> Result<(), PlanError> {
@@ -337,6 +361,10 @@ impl FramePlan {
         }
         Ok(())
     }
+}
+
+fn is_keepable(slot: &Slot) -> bool {
+    matches!(slot.kind, SlotKind::Texture { samples: 1, .. })
 }
 
 fn contains(outer: [u32; 4], inner: [u32; 4]) -> bool {

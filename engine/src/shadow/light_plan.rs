@@ -265,6 +265,26 @@ impl<'a> LightPlan<'a> {
         self.builder.texture_sized(name, format, size_px, layers, reason)
     }
 
+    /// Adds a texture whose contents outlive the frame: once drawn for `revision_key`, a hash of everything that its
+    /// contents depend on, the passes that write it run again only when another key is asked for, or the device was
+    /// lost, a frame failed or the budget was short. A texture that no frame names for a while is dropped. Names need not
+    /// differ between lights or nodes.
+    ///
+    /// A pass that writes it may write other kept textures, but nothing else; what such passes hand on to one another
+    /// (a mask that is blurred, say) is therefore kept too, under a key of its own. They may read anything; only the
+    /// key says when what they read has changed.
+    pub fn kept_texture(
+        &mut self,
+        name: &str,
+        format: TextureFormat,
+        size_px: [u32; 2],
+        layers: u32,
+        revision_key: u64,
+        reason: &str,
+    ) -> SlotId {
+        self.builder.kept_texture(name, format, size_px, layers, revision_key, reason)
+    }
+
     /// Adds an image of the scene for [`crate::plan::Binding::Texture`]; see [`PlanBuilder::image`].
     pub fn image(&mut self, image: ImageKey, reason: &str) -> SlotId {
         let name = self.posed.images.get(&image).map_or("image", |image| &image.name);

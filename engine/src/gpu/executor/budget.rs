@@ -80,6 +80,7 @@ impl Executor {
         if need.bytes.saturating_add(kept) > budget {
             // Some of it would serve this frame again; but this frame certainly fits alone.
             self.textures.clear();
+            self.kept_textures.clear();
             self.buffers.clear();
             self.meshes.keep_only(&meshes);
             self.materials.clear();
@@ -92,10 +93,14 @@ impl Executor {
         let textures = self.textures.keys().map(|(_, format, size_px, layers, samples)| {
             let (format, size_px, layers, samples) = (*format, *size_px, *layers, *samples);
             let kind = SlotKind::Texture { format, size_px, layers, samples };
-            Slot { name: String::new(), kind, reason: String::new() }.bytes()
+            Slot { name: String::new(), kind, reason: String::new(), kept: None }.bytes()
         });
         let buffers = self.buffers.values().map(|kept| kept.value.size());
-        textures.sum::<u64>() + buffers.sum::<u64>() + self.meshes.bytes() + self.materials.bytes()
+        textures.sum::<u64>()
+            + self.kept_textures.bytes()
+            + buffers.sum::<u64>()
+            + self.meshes.bytes()
+            + self.materials.bytes()
     }
 }
 
