@@ -1,7 +1,8 @@
 //! What the options of `ShadowVolumeHard` cost and save: a row for each, timed in turn on the same scenes.
 //!
-//! `cargo run --example 08_what_options_cost [WORD]` (only tables with that word in their title) prints frame times (of rounds in which every row gets one frame), what is
-//! drawn, and how many pixels are wrong outside the ambiguity band. Absolute times are this machine's; ratios are what to read.
+//! `cargo run --example 08_what_options_cost [WORD]` (only tables with that word in their title) prints frame times (of
+//! rounds in which every row gets one frame), what is drawn, and how many pixels are wrong outside the ambiguity band.
+//! Absolute times are this machine's; ratios are what to read.
 #![allow(clippy::print_stdout, reason = "printing rows is what it is for")]
 
 mod common;
@@ -56,8 +57,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let passes: [Row; 3] =
         [("no shadows", None), ("passes=multi", Some(auto)), ("passes=single", Some(single))];
+    let knot = demo::speed().swap_remove(0).2;
     for lights in [1, 4, 16] {
-        table(&format!("knot13k under {lights} lamps"), &lamps(lights)?, &passes)?;
+        table(&format!("knot13k under {lights} lamps"), &common::under_lamps(&knot, lights)?, &passes)?;
     }
     Ok(())
 }
@@ -78,31 +80,10 @@ fn stack(layers: u32) -> Result<Scene, Box<dyn Error>> {
     Ok(scene)
 }
 
-/// knot13k under lamps in a ring.
-fn lamps(count: u32) -> Result<Scene, Box<dyn Error>> {
-    let mut scene = demo::speed().swap_remove(0).2;
-    remove(&mut scene, |content| matches!(content, Content::Light(_)))?;
-    for i in 0..count {
-        let angle = std::f64::consts::TAU * f64::from(i) / f64::from(count) + 0.6;
-        let place = DVec3::new(3.6 * angle.cos(), 6.5, 3.6 * angle.sin());
-        scene.add_light(Light::point(&format!("lamp{i}"), 160.0 / count as f32), place, DVec3::ZERO);
-    }
-    Ok(scene)
-}
-
-/// Takes out every node of this kind.
-fn remove(scene: &mut Scene, which: fn(&Content) -> bool) -> Result<(), Box<dyn Error>> {
-    let nodes = scene.nodes().filter(|(_, node)| which(&node.content)).map(|(key, _)| key);
-    for key in nodes.collect::<Vec<_>>() {
-        scene.remove(key)?;
-    }
-    Ok(())
-}
-
 /// The scene with its shadow nodes replaced by the row's.
 fn with_row(scene: &Scene, node: Option<ShadowVolumeHard>) -> Result<Scene, Box<dyn Error>> {
     let mut scene = scene.clone();
-    remove(&mut scene, |content| matches!(content, Content::Shadow(_)))?;
+    common::remove(&mut scene, |content| matches!(content, Content::Shadow(_)))?;
     if let Some(node) = node {
         scene.add_shadow("shadows", node);
     }

@@ -20,13 +20,14 @@ const PACE: Pace = Pace { min_rounds: 3, max_rounds: 11, budget: Duration::from_
 const LIGHTS: [u32; 10] = [1, 2, 3, 4, 6, 8, 12, 16, 32, 64];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let base = match std::env::args().nth(1) {
+    let mut base = match std::env::args().nth(1) {
         Some(path) => gltf::load(path)?.scene,
         None => demo::speed().swap_remove(0).2,
     };
+    common::remove(&mut base, |content| matches!(content, Content::Shadow(_)))?;
     println!("lights,unshadowed_ms,shadowed_ms,shadow_ms_per_light,unshadowed_fps,shadowed_fps");
     for count in LIGHTS {
-        let lit = under_lamps(&base, count)?;
+        let lit = common::under_lamps(&base, count)?;
         let mut shadowed = lit.clone();
         shadowed.add_shadow("shadows", ShadowVolumeHard::default());
         let mut runners = Vec::new();
@@ -44,27 +45,6 @@ fn main() -> Result<(), Box<dyn Error>> {
             1e3 / without_ms,
             1e3 / with_ms
         );
-    }
-    Ok(())
-}
-
-/// The scene without its lights and shadow nodes, under lamps in a ring.
-fn under_lamps(base: &Scene, count: u32) -> Result<Scene, Box<dyn Error>> {
-    let mut scene = base.clone();
-    remove(&mut scene, |content| matches!(content, Content::Light(_) | Content::Shadow(_)))?;
-    for i in 0..count {
-        let angle = std::f64::consts::TAU * f64::from(i) / f64::from(count) + 0.6;
-        let place = DVec3::new(3.6 * angle.cos(), 6.5, 3.6 * angle.sin());
-        scene.add_light(Light::point(&format!("lamp{i}"), 160.0 / count as f32), place, DVec3::ZERO);
-    }
-    Ok(scene)
-}
-
-/// Takes out every node of this kind.
-fn remove(scene: &mut Scene, which: fn(&Content) -> bool) -> Result<(), Box<dyn Error>> {
-    let nodes = scene.nodes().filter(|(_, node)| which(&node.content)).map(|(key, _)| key);
-    for key in nodes.collect::<Vec<_>>() {
-        scene.remove(key)?;
     }
     Ok(())
 }
