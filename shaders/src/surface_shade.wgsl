@@ -139,10 +139,14 @@ fn mean_factor(dark: vec4u) -> vec3f {
 }
 #endif
 
-// What fraction of `light` reaches this pixel's surface past all casters.
+// What fraction of `light` reaches this pixel's surface past all casters. Of one light the flags say where that is.
 fn shadow_factor(light: Light, pixel: vec2u) -> vec3f {
 #if COUNTS
-    if light.factor_kind == 1u {
+#if ONE_LIGHT
+#else
+    if light.factor_kind == 1u
+#endif
+    {
 #if MULTISAMPLED
         return mean_factor(vec4u(
             textureLoad(counts, pixel, 0).x, textureLoad(counts, pixel, 1).x,
@@ -154,7 +158,11 @@ fn shadow_factor(light: Light, pixel: vec2u) -> vec3f {
     }
 #endif
 #if MASK
-    if light.factor_kind == 2u {
+#if ONE_LIGHT
+#else
+    if light.factor_kind == 2u
+#endif
+    {
         let channel = (light.factor_index / 8u) % 4u;
 #if MULTISAMPLED
         let bytes = vec4u(vec4f(
@@ -169,7 +177,11 @@ fn shadow_factor(light: Light, pixel: vec2u) -> vec3f {
     }
 #endif
 #if VISIBILITY
-    if light.factor_kind == 3u {
+#if ONE_LIGHT
+#else
+    if light.factor_kind == 3u
+#endif
+    {
         let factor = textureLoad(visibility, pixel, light.factor_index, 0);
 #if ONE_CHANNEL
         return factor.rrr;

@@ -6,12 +6,9 @@
 // edge goes on), 4 whether texels blend.
 
 fn wrapped(index: i32, size: i32, mode: u32) -> i32 {
-    if mode == 2u {
-        return clamp(index, 0, size - 1);
-    }
     let period = select(size, 2 * size, mode == 1u);
     let within = ((index % period) + period) % period;
-    return min(within, 2 * size - 1 - within);
+    return select(min(within, 2 * size - 1 - within), clamp(index, 0, size - 1), mode == 2u);
 }
 
 // In 0 … 255, without the rounding of a quotient.
@@ -24,13 +21,15 @@ fn texel_alpha(image: texture_2d<f32>, texel: vec2i, size: vec2i, reading: u32) 
 fn mask_alpha(image: texture_2d<f32>, uv: vec2f, reading: u32) -> f32 {
     let size = vec2i(textureDimensions(image));
     let place = uv * vec2f(size);
-    if (reading & 16u) == 0u {
-        return texel_alpha(image, vec2i(floor(place)), size, reading) / 255.0;
-    }
-    let corner = floor(place - 0.5);
-    let weight = place - 0.5 - corner;
+    let blends = (reading & 16u) != 0u;
+    let corner = floor(select(place, place - 0.5, blends));
+    let weight = select(vec2f(0.0), place - 0.5 - corner, blends);
     let texel = vec2i(corner);
     let a = texel_alpha(image, texel, size, reading);
+    // All the weight is one texel's.
+    if all(weight == vec2f(0.0)) {
+        return a / 255.0;
+    }
     let b = texel_alpha(image, texel + vec2i(1, 0), size, reading);
     let c = texel_alpha(image, texel + vec2i(0, 1), size, reading);
     let d = texel_alpha(image, texel + vec2i(1, 1), size, reading);

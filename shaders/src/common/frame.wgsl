@@ -1,5 +1,9 @@
 // What every draw can see: the frame, the instances and the lights. Everything is in view space, whose origin is
 // the eye, so that f32 keeps its precision where the picture needs it.
+//
+// No shader branches on uniforms alone, at places in them that are known when it is compiled: `select`, a flag, or a
+// condition that something else takes part in. A driver that bakes such values into the shader (Mesa's software one
+// does) compiles it again for every draw and keeps what it compiled: 10 ms and 2 MB a frame.
 
 struct Frame {
     clip_from_view: mat4x4f,

@@ -38,14 +38,11 @@ fn illumination(light: Light, p: vec3f) -> Illumination {
     var to_light = light.position.xyz - p * light.position.w;
     let distance_squared = max(dot(to_light, to_light), 1e-12);
     to_light *= inverseSqrt(distance_squared);
-    var falloff = 1.0;
-    if light.position.w > 0.0 {
-        falloff = 1.0 / distance_squared;
-        // The window KHR_lights_punctual recommends: smoothly zero at the range.
-        let reach = distance_squared * light.inverse_range * light.inverse_range;
-        let window = saturate(1.0 - reach * reach);
-        falloff *= select(1.0, window * window, light.inverse_range > 0.0);
-    }
+    // The window KHR_lights_punctual recommends: smoothly zero at the range.
+    let reach = distance_squared * light.inverse_range * light.inverse_range;
+    let window = saturate(1.0 - reach * reach);
+    let within_range = select(1.0, window * window, light.inverse_range > 0.0);
+    let falloff = select(1.0, within_range / distance_squared, light.position.w > 0.0);
     let cone = saturate(dot(-to_light, light.direction) * light.cone_scale + light.cone_offset);
     return Illumination(to_light, light.radiance * falloff * cone * cone);
 }

@@ -13,8 +13,8 @@ use super::super::pipelines::{Culling, VertexInput, Wanted};
 use super::attachments::{binding_view, color_attachment, color_views, depth_attachment};
 use super::{Executor, GpuSlot};
 use crate::plan::{
-    Antialias, Binding, BlendState, CompareFunction, Draw, FramePlan, Geometry, Pass, Shader, SlotId,
-    SlotKind, SurfaceStyle,
+    Antialias, Binding, BlendState, CompareFunction, Draw, FactorAt, FramePlan, Geometry, Pass, Shader,
+    SlotId, SlotKind, SurfaceStyle,
 };
 use crate::scene::{Instance, Material, Posed};
 
@@ -22,6 +22,19 @@ use crate::scene::{Instance, Material, Posed};
 /// visibility has one channel, whether any light has smooth terminators, and whether any factor holds own shadows.
 const READ_FLAGS: [&str; 7] =
     ["COUNTS", "MASK", "VISIBILITY", "MULTISAMPLED", "ONE_CHANNEL", "SMOOTH_TERMINATOR", "OWN_SHADOW"];
+
+/// Those of [`READ_FLAGS`] that say where factors are.
+const FACTOR_FLAGS: u32 = 0b111;
+
+/// The one of [`FACTOR_FLAGS`] for a factor that is there, none for a light that is always lit.
+fn factor_flag(factor: FactorAt) -> u32 {
+    match factor {
+        FactorAt::Lit | FactorAt::Darkening => 0,
+        FactorAt::Counts => 1,
+        FactorAt::MaskBit(_) => 1 << 1,
+        FactorAt::Visibility(_) => 1 << 2,
+    }
+}
 
 /// What recording needs to know besides the executor's own stores.
 pub(super) struct Scene<'a> {
@@ -278,6 +291,10 @@ impl Executor {
         let function = material.surface.as_ref().filter(|_| style != SurfaceStyle::Depth);
         features |= u32::from(function.is_some()) << SURFACE_FUNCTION;
         let mut read: u32 = draw.bindings.iter().map(|(number, _)| 1 << number).sum();
+        if let [light] = &scene.plan.lights[..] {
+            // Where one light's factor is, is known now: the shader need not ask.
+            read &= !FACTOR_FLAGS | factor_flag(light.factor);
+        }
         // A texture of one channel reads as (r, 0, 0, 1): its one factor is that of all colours.
         let one_channel =
             |(_, binding): &(u32, Binding)| scene.format(binding.slot()) == TextureFormat::R16Float;
