@@ -3,12 +3,13 @@
 use wgpu::TextureFormat;
 
 use super::request::{Adapter, FrameError, FrameRequest};
+use super::states::{ADD_CONSTANT, ZERO_WHERE_COUNTED};
 use super::surface_functions;
 use super::surfaces::Surfaces;
 use crate::plan::{
-    Access, Antialias, Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, ColorTarget,
-    CompareFunction, DepthTarget, Draw, DrawState, FactorAt, FramePlan, Geometry, LightPlanned, Load, Pass,
-    PlanBuilder, Shader, SlotId, SlotKind, Stencil, StencilFaceState, StencilOperation, SurfaceStyle,
+    Access, Antialias, Binding, BlendState, ColorTarget, CompareFunction, DepthTarget, Draw, DrawState,
+    FactorAt, FramePlan, Geometry, LightPlanned, Load, Pass, PlanBuilder, Shader, SlotId, SlotKind,
+    SurfaceStyle,
 };
 use crate::scene::Posed;
 use crate::shadow::{Channels, View};
@@ -396,57 +397,7 @@ impl Assembly<'_> {
             draws,
         });
     }
-
-    /// Averages what was drawn into the picture, where they are not the same.
-    fn finish_picture(&mut self) {
-        let (drawn, picture) = (self.drawn, self.picture);
-        match self.request.antialias {
-            Antialias::None => {}
-            Antialias::Multisample4 => {
-                // The last pass that draws into it resolves it.
-                let passes = self.b.passes.iter_mut().rev();
-                let last = passes.flat_map(|pass| &mut pass.colors).find(|color| color.slot == drawn);
-                last.into_iter().for_each(|color| color.resolve = Some(picture));
-            }
-            Antialias::Supersample4 => {
-                let load = Load::Clear([0.0; 4]);
-                let state = DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]);
-                let mut draw = self.resolve_draw("average", state);
-                draw.shader =
-                    Some(engine_shader("average_pixels", &[], "fullscreen_vertex", Some("average")));
-                draw.bindings = vec![(0, Binding::Texture(drawn))];
-                self.b.passes.push(Pass {
-                    name: "average".into(),
-                    reason: "ssaa4: the mean of four pixels, in tone-mapped linear light".into(),
-                    colors: vec![ColorTarget { slot: picture, layer: 0, load, resolve: None }],
-                    depth: None,
-                    draws: vec![draw],
-                });
-            }
-        }
-    }
 }
-
-/// dst + constant.
-const ADD_CONSTANT: BlendState = {
-    let add = BlendComponent {
-        src_factor: BlendFactor::Constant,
-        dst_factor: BlendFactor::One,
-        operation: BlendOperation::Add,
-    };
-    BlendState { color: add, alpha: add }
-};
-
-/// Draws where the stencil is not zero, and leaves zero there.
-pub(super) const ZERO_WHERE_COUNTED: Stencil = {
-    let face = StencilFaceState {
-        compare: CompareFunction::NotEqual,
-        fail_op: StencilOperation::Keep,
-        depth_fail_op: StencilOperation::Keep,
-        pass_op: StencilOperation::Zero,
-    };
-    Stencil { front: face, back: face, read_mask: 0xff, write_mask: 0xff, reference: 0 }
-};
 
 /// A shader of the engine's own; its text is checked by a test, so composing it cannot fail.
 pub(super) fn engine_shader(
@@ -462,35 +413,5 @@ pub(super) fn engine_shader(
         source: source.into(),
         vertex: vertex.into(),
         fragment: fragment.map(Into::into),
-    }
-}
-
-impl FramePlan {
-    /// Removes a slot that no pass names, renumbering those after it.
-    fn remove_slot(&mut self, removed: SlotId) {
-        self.slots.remove(removed.0);
-        let shift = |slot: &mut SlotId| slot.0 -= usize::from(slot.0 > removed.0);
-        for pass in &mut self.passes {
-            pass.colors.iter_mut().for_each(|color| shift(&mut color.slot));
-            pass.colors.iter_mut().filter_map(|color| color.resolve.as_mut()).for_each(shift);
-            pass.depth.iter_mut().for_each(|depth| shift(&mut depth.slot));
-            for draw in &mut pass.draws {
-                if let Geometry::Indexed { indices, .. } = &mut draw.geometry {
-                    shift(indices);
-                }
-                for (_, binding) in &mut draw.bindings {
-                    match binding {
-                        Binding::Storage(slot)
-                        | Binding::Texture(slot)
-                        | Binding::TextureArray(slot)
-                        | Binding::TextureLayer(slot, _)
-                        | Binding::StencilOf(slot) => shift(slot),
-                    }
-                }
-            }
-        }
-        shift(&mut self.picture);
-        self.visible_triangles.iter_mut().for_each(shift);
-        self.lights.iter_mut().filter_map(|light| light.factor_image.as_mut()).for_each(shift);
     }
 }

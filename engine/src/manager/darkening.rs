@@ -1,11 +1,11 @@
 //! One darkening of the finished picture, instead of taking each light's own light away (Lindrud & Löfgren 2004 §5.3,
 //! single pass).
 
-use super::assembly::{Assembly, ZERO_WHERE_COUNTED};
+use super::assembly::Assembly;
+use super::states::{TIMES_ONE_MINUS_CONSTANT, WHERE_COUNTED, ZERO_WHERE_COUNTED};
 use super::surfaces::Surfaces;
 use crate::plan::{
-    Access, BlendComponent, BlendFactor, BlendOperation, BlendState, ColorTarget, CompareFunction,
-    DepthTarget, Draw, DrawState, Load, Pass, Stencil, StencilFaceState, StencilOperation, SurfaceStyle,
+    Access, ColorTarget, CompareFunction, DepthTarget, Draw, DrawState, Load, Pass, SurfaceStyle,
 };
 
 impl Assembly<'_> {
@@ -80,25 +80,3 @@ impl Assembly<'_> {
         }
     }
 }
-
-/// dst · (1 − constant); alpha stays.
-const TIMES_ONE_MINUS_CONSTANT: BlendState = {
-    let scale = BlendComponent {
-        src_factor: BlendFactor::Zero,
-        dst_factor: BlendFactor::OneMinusConstant,
-        operation: BlendOperation::Add,
-    };
-    let keep = BlendComponent { dst_factor: BlendFactor::One, ..scale };
-    BlendState { color: scale, alpha: keep }
-};
-
-/// Draws where the stencil is not zero, and leaves it.
-const WHERE_COUNTED: Stencil = {
-    let face = StencilFaceState {
-        compare: CompareFunction::NotEqual,
-        fail_op: StencilOperation::Keep,
-        depth_fail_op: StencilOperation::Keep,
-        pass_op: StencilOperation::Keep,
-    };
-    Stencil { front: face, back: face, read_mask: 0xff, write_mask: 0, reference: 0 }
-};

@@ -1,5 +1,6 @@
 //! The render manager: collects shadow nodes, plans the frame, has it executed. The only room that sees all others.
 
+mod antialias;
 mod assembly;
 mod darkening;
 mod exposure;
@@ -7,6 +8,7 @@ mod factors;
 mod frame;
 mod renderer;
 mod request;
+mod states;
 mod surface_functions;
 mod surfaces;
 

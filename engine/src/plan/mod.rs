@@ -6,6 +6,7 @@
 
 mod antialias;
 mod builder;
+mod slots;
 mod text;
 mod validate;
 
@@ -427,15 +428,6 @@ impl FramePlan {
             SlotKind::Texture { size_px, .. } => size_px,
             SlotKind::Buffer { .. } | SlotKind::Image { .. } => self.size_px,
         }
-    }
-
-    /// The slots that a pass writes: colour attachments, what they are resolved into, depth that is not read-only.
-    pub fn written_by<'a>(&self, pass: &'a Pass) -> impl Iterator<Item = SlotId> + use<'a> {
-        let depth = pass.depth.iter().filter(|depth| {
-            depth.depth != Access::ReadOnly || depth.stencil.is_some_and(|s| s != Access::ReadOnly)
-        });
-        let colors = pass.colors.iter().flat_map(|color| [Some(color.slot), color.resolve]);
-        colors.flatten().chain(depth.map(|depth| depth.slot))
     }
 
     /// The bytes of all slots.
