@@ -18,8 +18,9 @@ use crate::plan::{
 };
 use crate::scene::{Instance, Material, Posed};
 
-/// The flags of surface_shade for what a draw reads, by binding number (the depth of samples is number 3, weights of shadows number 7), whether a
-/// visibility has one channel, whether any light has smooth terminators, and whether any factor holds own shadows, whether there is one factor only.
+/// The flags of surface_shade for what a draw reads, by binding number (the depth of samples is number 3, weights of
+/// shadows number 7), and at numbers that no binding has: whether a visibility has one channel, whether any light has
+/// smooth terminators, whether any factor holds own shadows, whether there is one factor only.
 const READ_FLAGS: [&str; 9] = [
     "COUNTS",
     "MASK",
