@@ -7,7 +7,7 @@ use wgpu::TextureFormat;
 
 use super::assembly::{Assembly, engine_shader};
 use super::segments::Part;
-use super::states::{TIMES_ONE_MINUS_CONSTANT, WHERE_COUNTED, ZERO_EVERYWHERE_COUNTED, ZERO_WHERE_COUNTED};
+use super::states::{TIMES_ONE_MINUS_CONSTANT, WHERE_COUNTED, ZERO_WHERE_COUNTED};
 use super::surfaces::Surfaces;
 use crate::plan::{
     Access, Binding, BlendState, BufferUsage, ColorTarget, CompareFunction, DepthTarget, Draw, DrawState,
@@ -50,8 +50,8 @@ impl Assembly<'_> {
                 let mut state = DrawState::new(CompareFunction::Less, vec![Some(TIMES_ONE_MINUS_CONSTANT)]);
                 let [r, g, b] = part.taken.map(f64::from);
                 state.blend_constant = [r, g, b, 0.0];
-                // Counts in front of the sky are no shadow, but in the way of the next light's.
-                state.stencil = Some(ZERO_EVERYWHERE_COUNTED);
+                // Counts in front of the sky stay; nothing is ever shadowed there.
+                state.stencil = Some(ZERO_WHERE_COUNTED);
                 self.resolve_draw("darken", state)
             }
         };

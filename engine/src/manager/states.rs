@@ -29,12 +29,6 @@ pub(super) const TIMES_ONE_MINUS_CONSTANT: BlendState = {
 /// Draws where the stencil is not zero, and leaves zero there.
 pub(super) const ZERO_WHERE_COUNTED: Stencil = where_counted(StencilOperation::Zero, 0xff);
 
-/// Draws where the stencil is not zero, and leaves zero there, also where the depth test fails.
-pub(super) const ZERO_EVERYWHERE_COUNTED: Stencil = {
-    let face = StencilFaceState { depth_fail_op: StencilOperation::Zero, ..ZERO_WHERE_COUNTED.front };
-    Stencil { front: face, back: face, ..ZERO_WHERE_COUNTED }
-};
-
 /// Draws where the stencil is not zero, and leaves it.
 pub(super) const WHERE_COUNTED: Stencil = where_counted(StencilOperation::Keep, 0);
 
