@@ -12,6 +12,7 @@ const EXCLUSIVE: &[(&str, [&str; 2])] = &[("surface_factor", ["COUNTS", "VISIBIL
 /// those with an `if` under that flag.
 const USED: &[(&str, &[&str], &[&str])] = &[
     ("average_pixels", &[], &["fullscreen_vertex", "average"]),
+    ("darken_picture", &["ONE_CHANNEL"], &["fullscreen_vertex", "darken_by"]),
     ("masked_volume", &["BASE_COLOR_TEXTURE"], &["fullscreen_vertex", "darken"]),
     ("nothing", &[], &["nothing"]),
     ("resolve_mask", &[], &["fullscreen_vertex", "mark", "darken"]),
@@ -43,11 +44,13 @@ const SHADE_FLAGS: &[&str] = &[
     "NORMAL_TEXTURE",
     "OCCLUSION_TEXTURE",
     "ONE_CHANNEL",
+    "ONE_FACTOR",
     "ONE_LIGHT",
     "OWN_SHADOW",
     "SECOND_UV",
     "SMOOTH_TERMINATOR",
     "SURFACE_FUNCTION",
+    "TINTED",
     "UNLIT",
     "VERTEX_COLOR",
     "VISIBILITY",

@@ -208,3 +208,59 @@ fn normals_are_in_the_plan_only_when_asked_for() {
     let refused = plan(&served(yard(), "Facing"), &sampled).unwrap_err().to_string();
     assert!(refused.contains("Facing") && refused.contains("msaa4"), "{refused}");
 }
+
+#[test]
+fn beside_a_hard_technique_the_horizon_is_still_in_one_factor() {
+    let Some(renderer) = common::renderer() else { return };
+    let mut renderer = Renderer::new(renderer.gpu().clone(), catalog());
+    let mut scene = yard();
+    scene.add_light(Light::directional("sun", 3.0), DVec3::ZERO, DVec3::new(1.0, -1.0, 0.5));
+    let all: Vec<NodeKey> = ["even", "mirrored", "stretched", "huge", "tiny", "deaf"]
+        .map(|name| scene.find(name).unwrap())
+        .to_vec();
+    let mut hard = common::hard(&[]);
+    hard.casters = Scope::Nodes(all[..1].to_vec());
+    scene.add_shadow("hard", hard);
+    let mut facing = ShadowNode::new("Facing");
+    facing.casters = Scope::Nodes(all[1..].to_vec());
+    scene.add_shadow("facing", facing);
+    let pixels = factors(&mut renderer, &scene, &common::request());
+    let (mut shadowed, mut kept) = (0, 0);
+    for (factor, expected, turned) in pixels {
+        let fits = (f64::from(factor) - expected).abs() < 6e-4;
+        assert!(fits || factor == 0.0, "{factor} is neither {expected} nor in the hard shadow");
+        shadowed += u32::from(!fits);
+        kept += u32::from(fits && turned && expected != 1.0);
+    }
+    assert!(shadowed > 20 && kept > 20, "{shadowed} in the hard shadow, {kept} turned away and not dark");
+}
+
+#[test]
+fn pictures_of_turned_surfaces_are_as_dark_as_the_technique_says() {
+    let Some(renderer) = common::renderer() else { return };
+    let mut renderer = Renderer::new(renderer.gpu().clone(), catalog());
+    // A slope that lies just past the sun's horizon, with normals that still face the sun.
+    let mut scene = Scene::new();
+    scene.set_ambient(Vec3::ZERO);
+    scene.set_background(Vec3::ZERO);
+    let positions = [[-9.0, -9.0], [-9.0, 9.0], [9.0, 9.0], [9.0, -9.0]].map(|[x, z]| Vec3::new(x, 0.0, z));
+    let data = shadowgraph::engine::geometry::MeshData {
+        name: "slope".into(),
+        positions: positions.to_vec(),
+        normals: vec![Vec3::new(-0.3, 1.0, 0.0).normalize(); 4],
+        indices: vec![0, 1, 2, 0, 2, 3],
+        ..Default::default()
+    };
+    scene.add_mesh(Mesh::new(data).unwrap(), Material::default(), DAffine3::IDENTITY);
+    scene.add_light(Light::directional("sun", 3.0), DVec3::ZERO, DVec3::new(1.0, 0.05, 0.0));
+    let mut brightest = |technique: &str| {
+        let mut scene = scene.clone();
+        scene.add_shadow("facing", ShadowNode::new(technique));
+        let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
+        let frame = renderer.render(&scene, &common::request(), &options).unwrap();
+        let bytes = frame.picture.unwrap().bytes;
+        bytes.chunks_exact(4).map(|pixel| pixel[0]).max().unwrap()
+    };
+    assert_eq!(brightest("FacingUndecided"), 0);
+    assert!(brightest("Facing") > 20);
+}

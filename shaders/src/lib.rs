@@ -35,6 +35,7 @@ modules![
     "common/material",
     "common/positions",
     "common/surface",
+    "darken_picture",
     "masked_volume",
     "nothing",
     "resolve_mask",

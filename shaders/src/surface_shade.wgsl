@@ -39,6 +39,20 @@
 @group(1) @binding(2) var visibility: texture_2d_array<f32>;
 #endif
 
+#if TINTED
+// What the picture loses of a light where a factor is 0. Entry i is for light i; the next factor of the same light is
+// entry `next`, with where it is, until `next` is 0.
+struct TintedFactor {
+    taken: vec3f,
+    next: u32,
+    kind: u32,
+    index: u32,
+    pad_0: u32,
+    pad_1: u32,
+}
+@group(1) @binding(7) var<storage, read> tints: array<TintedFactor>;
+#endif
+
 struct Varyings {
     @builtin(position) @invariant clip: vec4f,
     @location(0) p_in_view: vec3f,
@@ -139,12 +153,12 @@ fn mean_factor(dark: vec4u) -> vec3f {
 }
 #endif
 
-// What fraction of `light` reaches this pixel's surface past all casters. Of one light the flags say where that is.
-fn shadow_factor(light: Light, pixel: vec2u) -> vec3f {
+// The factor that is where `kind` and `index` say: see common/lights. Of a single one the flags say where it is.
+fn factor_at(kind: u32, index: u32, pixel: vec2u) -> vec3f {
 #if COUNTS
-#if ONE_LIGHT
+#if ONE_FACTOR
 #else
-    if light.factor_kind == 1u
+    if kind == 1u
 #endif
     {
 #if MULTISAMPLED
@@ -158,31 +172,31 @@ fn shadow_factor(light: Light, pixel: vec2u) -> vec3f {
     }
 #endif
 #if MASK
-#if ONE_LIGHT
+#if ONE_FACTOR
 #else
-    if light.factor_kind == 2u
+    if kind == 2u
 #endif
     {
-        let channel = (light.factor_index / 8u) % 4u;
+        let channel = (index / 8u) % 4u;
 #if MULTISAMPLED
         let bytes = vec4u(vec4f(
             textureLoad(mask, pixel, 0)[channel], textureLoad(mask, pixel, 1)[channel],
             textureLoad(mask, pixel, 2)[channel], textureLoad(mask, pixel, 3)[channel],
         ) * 255.0 + 0.5);
-        return mean_factor((bytes >> vec4u(light.factor_index % 8u)) & vec4u(1u));
+        return mean_factor((bytes >> vec4u(index % 8u)) & vec4u(1u));
 #else
-        let byte = u32(textureLoad(mask, pixel, light.factor_index / 32u, 0)[channel] * 255.0 + 0.5);
-        return select(vec3f(1.0), vec3f(0.0), (byte >> (light.factor_index % 8u) & 1u) != 0u);
+        let byte = u32(textureLoad(mask, pixel, index / 32u, 0)[channel] * 255.0 + 0.5);
+        return select(vec3f(1.0), vec3f(0.0), (byte >> (index % 8u) & 1u) != 0u);
 #endif
     }
 #endif
 #if VISIBILITY
-#if ONE_LIGHT
+#if ONE_FACTOR
 #else
-    if light.factor_kind == 3u
+    if kind == 3u
 #endif
     {
-        let factor = textureLoad(visibility, pixel, light.factor_index, 0);
+        let factor = textureLoad(visibility, pixel, index, 0);
 #if ONE_CHANNEL
         return factor.rrr;
 #else
@@ -191,6 +205,22 @@ fn shadow_factor(light: Light, pixel: vec2u) -> vec3f {
     }
 #endif
     return vec3f(1.0);
+}
+
+// What fraction of `light`, number `number`, this pixel's surface is shown in: what passes all casters, and what
+// shadows of less than full weight leave.
+fn shadow_factor(light: Light, number: u32, pixel: vec2u) -> vec3f {
+#if TINTED
+    var tint = tints[number];
+    var shown = 1.0 - tint.taken * (1.0 - factor_at(tint.kind, tint.index, pixel));
+    while tint.next != 0u {
+        tint = tints[tint.next];
+        shown *= 1.0 - tint.taken * (1.0 - factor_at(tint.kind, tint.index, pixel));
+    }
+    return shown;
+#else
+    return factor_at(light.factor_kind, light.factor_index, pixel);
+#endif
 }
 
 #if NORMAL_TEXTURE
@@ -223,24 +253,24 @@ fn ends_smooth(in: Varyings, light: u32) -> bool {
 #endif
 }
 
-// What `light` adds to the outgoing radiance.
-fn lit_by(light: Light, s: Surface, pixel: vec2u, receives: u32, smooth_end: bool) -> vec3f {
+// What `light`, number `number`, adds to the outgoing radiance.
+fn lit_by(light: Light, number: u32, s: Surface, pixel: vec2u, receives: u32, smooth_end: bool) -> vec3f {
     let incoming = illumination(light, s.p_in_view);
     // Light from behind the surface proper lights nothing, whatever a smooth normal says, unless it was asked for.
     var behind = !smooth_end && dot(s.geometric_in_view, incoming.towards) <= 0.0;
 #if OWN_SHADOW
-    behind = behind && light.own_shadow == 0u;
+    behind = behind & (light.own_shadow == 0u);
 #endif
 #if SURFACE_FUNCTION
     // Asked for every light, whatever arrives: its derivatives need all pixels of a quad.
-    let past_casters = select(vec3f(1.0), shadow_factor(light, pixel), receives == 1u);
+    let past_casters = select(vec3f(1.0), shadow_factor(light, number, pixel), receives == 1u);
     let factor = select(past_casters, vec3f(0.0), behind);
     return reflected(s, LightArriving(incoming.towards, incoming.irradiance, factor));
 #else
     if behind || all(incoming.irradiance == vec3f(0.0)) {
         return vec3f(0.0);
     }
-    let factor = select(vec3f(1.0), shadow_factor(light, pixel), receives == 1u);
+    let factor = select(vec3f(1.0), shadow_factor(light, number, pixel), receives == 1u);
     return factor * incoming.irradiance * reflect_light(s, incoming.towards);
 #endif
 }
@@ -325,10 +355,10 @@ fn shade(in: Varyings) -> vec4f {
 
     let pixel = vec2u(in.clip.xy);
 #if ONE_LIGHT
-    lit += lit_by(lights[0], s, pixel, in.receives, ends_smooth(in, 0u));
+    lit += lit_by(lights[0], 0u, s, pixel, in.receives, ends_smooth(in, 0u));
 #else
     for (var i = 0u; i < frame.light_count; i++) {
-        lit += lit_by(lights[i], s, pixel, in.receives, ends_smooth(in, i));
+        lit += lit_by(lights[i], i, s, pixel, in.receives, ends_smooth(in, i));
     }
 #endif
 #if SURFACE_FUNCTION

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4, Mat4, Vec3};
 
-use crate::plan::{FactorAt, LightPlanned};
+use crate::plan::LightPlanned;
 use crate::scene::{Instance, LightKind, Posed, PosedCamera, PosedLight};
 
 /// `struct Frame` of common/frame.wgsl.
@@ -163,12 +163,7 @@ impl LightUniform {
             }
             _ => (0.0, 1.0),
         };
-        let (factor_kind, factor_index) = match planned.factor {
-            FactorAt::Lit | FactorAt::Darkening => (0, 0),
-            FactorAt::Counts => (1, 0),
-            FactorAt::MaskBit(bit) => (2, bit),
-            FactorAt::Visibility(layer) => (3, layer),
-        };
+        let [factor_kind, factor_index] = planned.factor.kind_and_index();
         let radiance: Vec3 = light.light.color * light.light.intensity * exposure;
         Self {
             position: position.extend(light.position.w).as_vec4().to_array(),

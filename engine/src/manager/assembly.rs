@@ -3,29 +3,16 @@
 use wgpu::TextureFormat;
 
 use super::request::{Adapter, FrameError, FrameRequest};
+use super::segments::{Part, Segment};
 use super::states::{ADD_CONSTANT, ZERO_WHERE_COUNTED};
-use super::surface_functions;
 use super::surfaces::Surfaces;
 use crate::plan::{
-    Access, Antialias, Binding, BlendState, ColorTarget, CompareFunction, DepthTarget, Draw, DrawState,
-    FactorAt, FramePlan, Geometry, LightPlanned, Load, Pass, PlanBuilder, Shader, SlotId, SlotKind,
-    SurfaceStyle,
+    ALL_TAKEN, Access, Antialias, Binding, BlendState, ColorTarget, CompareFunction, DepthTarget, Draw,
+    DrawState, FactorAt, FactorPart, FramePlan, Geometry, LightPlanned, Load, Pass, PlanBuilder, Shader,
+    SlotId, SlotKind, SurfaceStyle,
 };
 use crate::scene::Posed;
 use crate::shadow::{Channels, View};
-
-/// One light's part of the plan, before it is known how factors are stored.
-pub(super) struct Segment {
-    pub(super) passes: Vec<Pass>,
-    pub(super) counts: bool,
-    pub(super) visibility: Option<Channels>,
-    pub(super) techniques: Vec<String>,
-    pub(super) claimed: bool,
-    /// Whether the light is shaded as if unshadowed and its counts go into the one darkening.
-    pub(super) darkens: bool,
-    pub(super) smooth_terminators: Vec<u32>,
-    pub(super) own_shadow: bool,
-}
 
 /// Everything that is known when the pieces of the frame are put together.
 pub(super) struct Assembly<'a> {
@@ -48,30 +35,28 @@ pub(super) struct Assembly<'a> {
 }
 
 impl Assembly<'_> {
-    /// Puts prepass, segments, resolves and shading together, and the one darkening of `weight` after them.
+    /// Puts prepass, segments, resolves and shading together, and what darkens the finished picture after them: each
+    /// by itself, then the one darkening of `weight`. The visibility has as many `layers`.
     ///
     /// # Errors
     /// What the adapter cannot do with four samples a pixel.
     pub(super) fn assemble(
         mut self,
         segments: Vec<Segment>,
+        layers: u32,
         weight: Option<f64>,
     ) -> Result<FramePlan, FrameError> {
-        let counted = segments.iter().filter(|s| s.counts && s.visibility.is_none()).count() as u32;
-        let any_counts = segments.iter().any(|s| s.counts || s.darkens);
-        let shadowed = segments.iter().any(|s| !s.passes.is_empty());
-        let layers = segments.iter().filter(|s| s.visibility.is_some()).count() as u32;
+        let parts = |s: &Segment| [&s.shaded[..], &s.after[..], s.alone.as_slice()].concat();
+        let all: Vec<Part> = segments.iter().flat_map(parts).collect();
+        let counted = segments.iter().flat_map(|s| &s.shaded).filter(|part| part.is_counted()).count() as u32;
+        let counting = all.iter().filter(|part| part.counts).count() as u32;
+        let shadowed = all.iter().any(|part| !part.passes.is_empty());
         self.size_visibility(layers, segments.iter().filter_map(|s| s.visibility).max());
-        if any_counts {
+        if counting > 0 {
             self.b.slots[self.depth.0].reason = "hidden surfaces, and the counts of shadow volumes".into();
         }
-        // One light with counts is shaded straight from the stencil, if no other light counts in it.
-        let others_count = segments.iter().any(|s| (s.counts && s.visibility.is_some()) || s.darkens);
-        let mask = if counted > 1 || (counted == 1 && others_count) {
-            Some(self.light_mask(counted)?)
-        } else {
-            None
-        };
+        // One light with counts is shaded straight from the stencil, if nothing else counts in it.
+        let mask = if counted > 0 && counting > 1 { Some(self.light_mask(counted)?) } else { None };
         if self.multisampled() {
             self.adapter.check_multisampled("depth", self.depth_format())?;
         }
@@ -79,60 +64,71 @@ impl Assembly<'_> {
         // Holes are cut before anything is shaded: what shades a pixel's samples at once cannot tell them apart.
         let prepass = shadowed || self.request.factors || (self.multisampled() && self.has_holes());
         if prepass {
-            let pass = self.prepass(any_counts);
+            let pass = self.prepass(counting > 0);
             self.b.passes.push(pass);
         }
         let visible_triangles = self.what_is_seen()?;
-        let (mut bit, mut layer) = (0, 0);
+        let mut bits = 0;
         let mut lights = Vec::new();
-        let mut darkening = Vec::new();
-        for (index, mut segment) in segments.into_iter().enumerate() {
+        let (mut apart, mut once) = (Vec::new(), Vec::new());
+        for (index, segment) in segments.into_iter().enumerate() {
             let name = self.posed.lights[index].name.clone();
-            let passes =
-                std::mem::take(&mut segment.passes).into_iter().map(|pass| self.with_stencil_as_it_is(pass));
-            let passes: Vec<Pass> = passes.collect();
-            let factor = match (segment.counts, segment.visibility) {
-                _ if segment.darkens => FactorAt::Darkening,
-                (_, Some(_)) => FactorAt::Visibility(layer),
-                (true, None) if mask.is_some() => FactorAt::MaskBit(bit),
-                (true, None) => FactorAt::Counts,
-                (false, None) => FactorAt::Lit,
-            };
-            // What darkens the finished picture is counted when it is finished; for a factor by itself, and before.
-            let factor_alone = factor == FactorAt::Darkening && self.request.factors;
-            if factor == FactorAt::Darkening {
-                darkening.extend(passes.iter().cloned());
-            }
-            if factor != FactorAt::Darkening || factor_alone {
-                self.b.passes.extend(passes);
-            }
-            if segment.counts && segment.visibility.is_some() {
-                self.b.passes.push(self.resolve_to_visibility(&name, layer));
-            }
-            let wanted = self.request.factors && segment.claimed;
-            let factor_image =
-                wanted.then(|| self.factor_image(index, (factor, segment.own_shadow), visible_triangles));
-            if factor_alone {
-                self.b.passes.push(self.forget_counts(&name));
-            }
-            if let (FactorAt::MaskBit(bit), Some(mask)) = (factor, mask) {
-                self.b.passes.push(self.resolve_to_mask(&name, mask, bit));
-            }
-            bit += u32::from(matches!(factor, FactorAt::MaskBit(_)));
-            layer += u32::from(segment.visibility.is_some());
             let Segment { techniques, smooth_terminators, own_shadow, .. } = segment;
+            let wanted = self.request.factors && segment.claimed;
+            let mut factor_image = None;
+            if let Some(part) = segment.alone.filter(|_| wanted) {
+                self.passes_of(&part, &name);
+                let image = self.factor_image(index, (part.place(), own_shadow), visible_triangles);
+                factor_image = Some(image);
+                if part.is_counted() {
+                    self.b.passes.push(self.forget_counts(&name));
+                }
+            }
+            let mut factors = Vec::new();
+            for part in segment.shaded {
+                self.passes_of(&part, &name);
+                let at = match mask {
+                    Some(_) if part.is_counted() => FactorAt::MaskBit(bits),
+                    _ => part.place(),
+                };
+                if wanted && factor_image.is_none() {
+                    factor_image = Some(self.factor_image(index, (at, own_shadow), visible_triangles));
+                }
+                if let (FactorAt::MaskBit(bit), Some(mask)) = (at, mask) {
+                    self.b.passes.push(self.resolve_to_mask(&name, mask, bit));
+                    bits += 1;
+                }
+                factors.extend((at != FactorAt::Lit).then_some(FactorPart { at, taken: part.taken }));
+            }
+            if wanted && factor_image.is_none() {
+                factor_image = Some(self.factor_image(index, (FactorAt::Lit, false), visible_triangles));
+            }
+            let lit = if segment.after.is_empty() { FactorAt::Lit } else { FactorAt::Darkening };
+            if segment.once {
+                once.extend(segment.after.into_iter().flat_map(|part| part.passes));
+            } else {
+                apart.extend(segment.after.into_iter().map(|part| (name.clone(), part)));
+            }
+            let mut factors = factors.into_iter();
+            let first = factors.next().unwrap_or(FactorPart { at: lit, taken: ALL_TAKEN });
             lights.push(LightPlanned {
                 name,
-                factor,
+                factor: first.at,
+                taken: first.taken,
+                more_factors: factors.collect(),
                 techniques,
                 smooth_terminators,
                 own_shadow,
                 factor_image,
             });
         }
-        self.shading(prepass, any_counts, mask, layers > 0, &lights);
-        if let Some(weight) = weight.filter(|_| !darkening.is_empty()) {
-            self.darken(darkening, weight);
+        self.shading(prepass, counting > 0, mask, &lights);
+        for (light, part) in apart {
+            self.darken_by(&light, part);
+        }
+        if let Some(weight) = weight.filter(|_| !once.is_empty()) {
+            let once = once.into_iter().map(|pass| self.with_stencil_as_it_is(pass)).collect();
+            self.darken(once, weight);
         }
         self.finish_picture();
         let Self { b, picture, request, .. } = self;
@@ -150,6 +146,16 @@ impl Assembly<'_> {
             plan.remove_slot(self.visibility);
         }
         Ok(plan)
+    }
+
+    /// Adds the passes of one part. Counts beside a visibility go into it.
+    pub(super) fn passes_of(&mut self, part: &Part, light: &str) {
+        let passes = part.passes.iter().cloned().map(|pass| self.with_stencil_as_it_is(pass));
+        let passes: Vec<Pass> = passes.collect();
+        self.b.passes.extend(passes);
+        if let (true, Some(layer)) = (part.counts, part.layer) {
+            self.b.passes.push(self.resolve_to_visibility(light, layer));
+        }
     }
 
     pub(super) fn multisampled(&self) -> bool {
@@ -249,19 +255,19 @@ impl Assembly<'_> {
         }
     }
 
-    /// The opaque surfaces by a shader that pulls them: runs with and without holes, in the order of drawing.
+    /// The opaque surfaces `pulled` by a shader, with its flags and fragment entry point: runs with and without holes,
+    /// in the order of drawing.
     pub(super) fn pulled_draws(
         &self,
-        shader: &'static str,
-        flags: &[&str],
-        fragment: &'static str,
+        pulled: &[(u32, u32)],
+        (shader, flags, fragment): (&'static str, &[&str], &'static str),
         state: &DrawState,
         bindings: &[(u32, Binding)],
     ) -> Vec<Draw> {
         let is_masked = |&(instance, part): &(u32, u32)| {
             self.posed.instances[instance as usize].materials[part as usize].cutoff().is_some()
         };
-        let runs = self.surfaces.opaque.chunk_by(|a, b| is_masked(a) == is_masked(b));
+        let runs = pulled.chunk_by(|a, b| is_masked(a) == is_masked(b));
         let draw = |parts: &[(u32, u32)]| {
             // A mask without a texture reads a white one: no variant of its own.
             let masked: &[&str] = &["MASKED", "BASE_COLOR_TEXTURE", "SECOND_UV"];
@@ -333,69 +339,6 @@ impl Assembly<'_> {
             bindings: vec![],
             scissor_px: None,
         }
-    }
-
-    fn shading(
-        &mut self,
-        after_prepass: bool,
-        counts: bool,
-        mask: Option<SlotId>,
-        visibility: bool,
-        lights: &[LightPlanned],
-    ) {
-        let background = self.posed.background.as_dvec3();
-        let mut bindings = Vec::new();
-        if lights.iter().any(|light| light.factor == FactorAt::Counts) {
-            bindings.push((0, Binding::StencilOf(self.depth)));
-        }
-        if self.multisampled() {
-            bindings.extend(mask.map(|mask| (1, Binding::Texture(mask))));
-        } else {
-            bindings.extend(mask.map(|mask| (1, Binding::TextureArray(mask))));
-        }
-        if visibility {
-            bindings.push((2, Binding::TextureArray(self.visibility)));
-        }
-        if self.multisampled() && !bindings.is_empty() {
-            // Which samples show the fragment that is shaded: their factors are averaged.
-            bindings.push((3, Binding::Texture(self.depth)));
-        }
-        let mut state = DrawState::new(CompareFunction::Equal, vec![Some(BlendState::REPLACE)]);
-        let mut depth = self.depth_read();
-        if !after_prepass {
-            state.depth_compare = CompareFunction::Greater;
-            state.depth_write = true;
-            depth.depth = Access::Clear(0.0);
-            depth.stencil = counts.then_some(Access::Clear(0.0));
-        }
-        let mut draws = vec![self.surfaces_draw("opaque surfaces", SurfaceStyle::Opaque, None, state)];
-        draws[0].bindings = bindings;
-        if !self.surfaces.blended.is_empty() {
-            let state = DrawState::new(
-                CompareFunction::Greater,
-                vec![Some(BlendState::PREMULTIPLIED_ALPHA_BLENDING)],
-            );
-            draws.push(self.surfaces_draw("blended surfaces", SurfaceStyle::Blended, None, state));
-            self.b.note("blended surfaces are lit without shadows: factors are those of the opaque surface");
-        }
-        self.b.notes.extend(surface_functions::notes(self.posed, &self.surfaces, lights));
-        let by_functions = surface_functions::reason(self.posed, &self.surfaces);
-        self.b.passes.push(Pass {
-            name: "shading".into(),
-            reason: match lights.len() {
-                0 => "ambient light only".to_owned(),
-                1 => "the only light".into(),
-                n => format!("all {n} lights at once"),
-            } + &by_functions,
-            colors: vec![ColorTarget {
-                slot: self.drawn,
-                layer: 0,
-                load: Load::Clear([background.x, background.y, background.z, 1.0]),
-                resolve: None,
-            }],
-            depth: Some(depth),
-            draws,
-        });
     }
 }
 

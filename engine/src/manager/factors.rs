@@ -48,7 +48,8 @@ impl Assembly<'_> {
         let targets = vec![Some(BlendState::REPLACE); colors.len()];
         let mut state = DrawState::new(CompareFunction::Greater, targets);
         state.depth_write = true;
-        let draws = self.pulled_draws("surface_measure", flags, fragment, &state, &[]);
+        let draws =
+            self.pulled_draws(&self.surfaces.opaque, ("surface_measure", flags, fragment), &state, &[]);
         self.b.passes.push(Pass {
             name: name.into(),
             reason: reason.into(),
@@ -161,7 +162,8 @@ impl Assembly<'_> {
             return slot;
         }
         let state = DrawState::new(CompareFunction::Equal, vec![Some(BlendState::REPLACE)]);
-        let draws = self.pulled_draws("surface_factor", flags, "factor", &state, &bindings);
+        let draws =
+            self.pulled_draws(&self.surfaces.opaque, ("surface_factor", flags, "factor"), &state, &bindings);
         let pass = Pass {
             name,
             reason: "the factor was asked for as an image".into(),

@@ -2,12 +2,13 @@
 
 use wgpu::TextureFormat;
 
-use super::assembly::{Assembly, Segment};
+use super::assembly::Assembly;
 use super::request::{Adapter, FrameError, FrameRequest, PictureFormat};
+use super::segments::{Layers, Left, Segment};
 use super::surface_functions;
 use super::surfaces::{Surfaces, receiver_bounds};
-use crate::plan::{Antialias, FramePlan, PlanBuilder, SlotId, SlotKind};
-use crate::scene::Posed;
+use crate::plan::{ALL_TAKEN, Antialias, FramePlan, PlanBuilder, SlotId, SlotKind};
+use crate::scene::{Posed, PosedLight};
 use crate::shadow::{Cache, Channels, Claim, LightPlan, Registry, ShadowError, View};
 
 /// Plans one frame of `posed`. Needs no device.
@@ -67,20 +68,13 @@ pub fn plan_frame(
 
     // Each light's own passes.
     let mut segments = Vec::new();
-    let mut layers = 0;
+    let mut layers = Layers::new(visibility);
     let mut darkening = None;
+    // The first node that darkens the finished picture by itself.
+    let mut darkens_apart: Option<(String, &'static str)> = None;
     let (mut triangles, mut normals) = (None, None);
     for (index, claims) in registry.lights.iter().enumerate() {
-        let mut segment = Segment {
-            passes: vec![],
-            counts: false,
-            visibility: None,
-            techniques: vec![],
-            claimed: !claims.is_empty(),
-            darkens: false,
-            smooth_terminators: vec![],
-            own_shadow: false,
-        };
+        let mut segment = Segment { claimed: !claims.is_empty(), ..Segment::default() };
         let light = &posed.lights[index];
         if claims.is_empty() {
             b.note(format!("light '{}' has no shadow node: no passes", light.name));
@@ -88,16 +82,16 @@ pub fn plan_frame(
             b.note(format!("light '{}' reaches nothing in view: no passes", light.name));
         } else {
             let mut counts_bound = 0;
-            let mut last: Option<&String> = None;
+            let mut left: Vec<(&String, Left)> = Vec::new();
             for claim in claims {
                 segment.techniques.push(claim.label.clone());
                 if claim.casters.is_empty() {
                     b.note(format!("'{}' has no casters for light '{}': no passes", claim.node, light.name));
                     continue;
                 }
-                let darkened_before = segment.darkens;
-                let (mut darkens, mut own_shadow) = (false, false);
-                let passes_before = b.passes.len();
+                let (mut once, mut apart, mut own_shadow) = (false, false, false);
+                let (mut counts, mut taken) = (false, ALL_TAKEN);
+                let (passes_before, visibility_before) = (b.passes.len(), segment.visibility);
                 let required = claim.technique.requirements().required;
                 let mut light_plan = LightPlan {
                     posed,
@@ -110,44 +104,50 @@ pub fn plan_frame(
                     builder: &mut b,
                     depth,
                     visibility,
-                    uses_counts: &mut segment.counts,
+                    uses_counts: &mut counts,
                     uses_visibility: &mut segment.visibility,
                     counts_bound: &mut counts_bound,
-                    visibility_layer: layers,
+                    visibility_layer: layers.count,
                     darkening: &mut darkening,
-                    darkens: &mut darkens,
+                    darkens: &mut once,
                     smooth_terminators: &mut segment.smooth_terminators,
                     visible_triangles: &mut triangles,
                     receiver_normals: &mut normals,
                     own_shadow: &mut own_shadow,
+                    taken: &mut taken,
+                    darkens_apart: &mut apart,
                 };
                 light_plan.require(required, "always")?;
                 claim.technique.plan(&mut light_plan)?;
-                segment.darkens |= darkens;
                 let own = b.passes.get(passes_before..).unwrap_or_default();
                 let mut targets = own.iter().flat_map(|pass| &pass.colors);
-                segment.own_shadow |= own_shadow && targets.any(|color| color.slot == visibility);
-                if segment.darkens && (segment.counts || segment.visibility.is_some()) {
-                    let (own, other) = (claim.node.clone(), last.unwrap_or(&claim.node).clone());
-                    let (darkening, other) = if darkened_before { (other, own) } else { (own, other) };
-                    let light = light.name.clone();
-                    return Err(ShadowError::DarkenedTwice { light, darkening, other }.into());
+                let visible = targets.any(|color| color.slot == visibility);
+                segment.own_shadow |= own_shadow && visible;
+                let passes = passes_before..b.passes.len();
+                let visibility = visible || segment.visibility != visibility_before;
+                left.push((&claim.node, Left { passes, counts, visibility, taken, once, apart }));
+                check_one_way(light, &left)?;
+                if apart {
+                    darkens_apart.get_or_insert_with(|| (claim.node.clone(), claim.technique.type_name()));
                 }
-                last = Some(&claim.node);
                 check_per_sample(&b, claim, depth, segment.visibility, [triangles, normals])?;
             }
-            segment.passes = std::mem::take(&mut b.passes);
-            layers += u32::from(segment.visibility.is_some());
+            // What is darkened once is counted, whoever asks.
+            let of_light =
+                left.into_iter().map(|(_, left)| Left { counts: left.counts || left.once, ..left });
+            let left: Vec<Left> = of_light.collect();
+            segment.sort(&std::mem::take(&mut b.passes), &left, &mut layers, request.factors);
         }
         segments.push(segment);
     }
 
-    if let (Some(darkening), PictureFormat::LinearF32) = (&darkening, request.picture) {
+    let once = darkening.as_ref().map(|darkening| (darkening.node.clone(), darkening.technique));
+    if let (Some((node, technique)), PictureFormat::LinearF32) = (once.or(darkens_apart), request.picture) {
         let needed = wgpu::Features::FLOAT32_BLENDABLE;
         if !adapter.features.contains(needed) {
             return Err(FrameError::Shadow(ShadowError::MissingFeature {
-                node: darkening.node.clone(),
-                technique: darkening.technique,
+                node,
+                technique,
                 needed: format!("{needed:?} (darkening a picture of 32-bit floats)"),
                 adapter: adapter.name.into(),
             }));
@@ -167,9 +167,29 @@ pub fn plan_frame(
         triangles,
         normals,
     };
-    let plan = assembly.assemble(segments, darkening.map(|darkening| darkening.weight))?;
+    let plan = assembly.assemble(segments, layers.count, darkening.map(|darkening| darkening.weight))?;
     plan.validate().map_err(ShadowError::from)?;
     Ok(plan)
+}
+
+/// Refuses a light whose shadows darken the picture in two ways: it would be darkened twice. `left` is what its claims
+/// have left so far, the last one new.
+fn check_one_way(light: &PosedLight, left: &[(&String, Left)]) -> Result<(), ShadowError> {
+    let find = |wanted: &dyn Fn(&Left) -> bool| {
+        left.iter().find(|(_, left)| wanted(left)).map(|(node, _)| (*node).clone())
+    };
+    let once = find(&|left| left.once);
+    let apart = find(&|left| left.apart);
+    let light = light.name.clone();
+    if let (Some(once), Some(apart)) = (&once, &apart) {
+        let (once, apart) = (once.clone(), apart.clone());
+        return Err(ShadowError::DarkeningsDiffer { light, once, apart });
+    }
+    let shaded = find(&|left| !left.apart && (left.counts || left.visibility));
+    match (once.or(apart), shaded) {
+        (Some(darkening), Some(other)) => Err(ShadowError::DarkenedTwice { light, darkening, other }),
+        _ => Ok(()),
+    }
 }
 
 /// The size of what is drawn, when the adapter has targets that large, factor images among them.

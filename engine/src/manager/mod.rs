@@ -8,6 +8,8 @@ mod factors;
 mod frame;
 mod renderer;
 mod request;
+mod segments;
+mod shading;
 mod states;
 mod surface_functions;
 mod surfaces;

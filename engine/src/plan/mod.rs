@@ -6,6 +6,7 @@
 
 mod antialias;
 mod builder;
+mod lights;
 mod slots;
 mod text;
 mod validate;
@@ -15,6 +16,7 @@ use std::sync::Arc;
 
 pub use antialias::{Antialias, MULTISAMPLED_EVERYWHERE, STANDARD_SAMPLES_PX, UnknownAntialias};
 pub use builder::PlanBuilder;
+pub use lights::{ALL_TAKEN, FactorAt, FactorPart, LightPlanned, taken};
 pub use validate::PlanError;
 /// Plain enumerations of the graphics API that plans are written in.
 pub use wgpu::{
@@ -358,40 +360,6 @@ impl Draw {
             Geometry::Procedural { vertices, instances } => u64::from(*vertices) * u64::from(*instances),
         }
     }
-}
-
-/// Where the shading pass finds the factor of a light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FactorAt {
-    /// Nothing shadows the light: 1 everywhere.
-    Lit,
-    /// Dark where the stencil is not zero.
-    Counts,
-    /// Dark where this bit of the light mask is set.
-    MaskBit(u32),
-    /// The value in this layer of the visibility array.
-    Visibility(u32),
-    /// 1 while shading; the finished picture is darkened where the counts of all such lights are not zero.
-    Darkening,
-}
-
-/// What the plan found out about one light.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LightPlanned {
-    /// The light's name.
-    pub name: String,
-    /// Where its factor ends up.
-    pub factor: FactorAt,
-    /// The techniques that shadow it, by type name and what options are not at their default; empty
-    /// without any.
-    pub techniques: Vec<String>,
-    /// Instances that are shaded by their normals alone where they turn away from the light.
-    pub smooth_terminators: Vec<u32>,
-    /// Whether its factor holds the receiver's own shadow too: surfaces turned away from the light's centre are as
-    /// dark as the factor says, not dark by themselves.
-    pub own_shadow: bool,
-    /// Index of the factor image slot, when one was asked for.
-    pub factor_image: Option<SlotId>,
 }
 
 /// A frame as plain data.

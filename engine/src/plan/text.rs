@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use super::{Access, Binding, BufferUsage, Draw, FramePlan, Geometry, Load, Pass, Slot, SlotId, SlotKind};
+use super::{
+    ALL_TAKEN, Access, Binding, BufferUsage, Draw, FactorPart, FramePlan, Geometry, Load, Pass, Slot, SlotId,
+    SlotKind,
+};
 
 /// Draws listed one by one in a pass's text; the rest are summed up.
 const DRAWS_SHOWN: usize = 8;
@@ -23,7 +26,13 @@ impl fmt::Display for FramePlan {
         for light in &self.lights {
             let techniques =
                 if light.techniques.is_empty() { "no shadow".into() } else { light.techniques.join(", ") };
-            write!(f, "  light {}: {techniques} -> {:?}", light.name, light.factor)?;
+            write!(f, "  light {}: {techniques} -> ", light.name)?;
+            for (index, FactorPart { at, taken }) in light.factors().enumerate() {
+                write!(f, "{}{at:?}", if index == 0 { "" } else { " and " })?;
+                if taken != ALL_TAKEN {
+                    write!(f, " taking {taken:?}")?;
+                }
+            }
             if !light.smooth_terminators.is_empty() {
                 write!(f, ", smooth terminators: {}", light.smooth_terminators.len())?;
             }

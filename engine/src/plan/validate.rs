@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use thiserror::Error;
 
 use super::{
-    Access, Binding, ColorTarget, Draw, FactorAt, FramePlan, Geometry, Load, Pass, Slot, SlotId, SlotKind,
-    StencilOperation,
+    Access, Binding, ColorTarget, Draw, FactorAt, FramePlan, Geometry, LightPlanned, Load, Pass, Slot,
+    SlotId, SlotKind, StencilOperation,
 };
 
 /// Why a plan is not valid.
@@ -303,17 +303,24 @@ impl FramePlan {
             if light.factor_image.is_some_and(|slot| !written.contains(&(slot, 0))) {
                 return Err(never("its factor image".into()));
             }
-            match light.factor {
-                FactorAt::Counts | FactorAt::Darkening if !self.passes.iter().any(writes_stencil) => {
-                    return Err(never("the stencil".into()));
+            let counted = self.passes.iter().any(writes_stencil);
+            for part in light.factors() {
+                match part.at {
+                    FactorAt::Counts if !counted => return Err(never("the stencil".into())),
+                    FactorAt::Darkening
+                        if !counted
+                            && !written.iter().any(|(slot, _)| self.slots[slot.0].name == "visibility") =>
+                    {
+                        return Err(never("the stencil or the visibility array".into()));
+                    }
+                    FactorAt::MaskBit(bit) if !self.is_written("light mask", bit / 32, written) => {
+                        return Err(never(format!("bit {bit} of the light mask")));
+                    }
+                    FactorAt::Visibility(layer) if !self.is_written("visibility", layer, written) => {
+                        return Err(never(format!("layer {layer} of the visibility array")));
+                    }
+                    _ => {}
                 }
-                FactorAt::MaskBit(bit) if !self.is_written("light mask", bit / 32, written) => {
-                    return Err(never(format!("bit {bit} of the light mask")));
-                }
-                FactorAt::Visibility(layer) if !self.is_written("visibility", layer, written) => {
-                    return Err(never(format!("layer {layer} of the visibility array")));
-                }
-                _ => {}
             }
         }
         Ok(())
@@ -326,8 +333,10 @@ impl FramePlan {
     /// A draw that sets the stencil back to zero must cover every draw that counted since the last one.
     fn check_counts_resolved(&self) -> Result<(), PlanError> {
         let resolves = self.passes.iter().filter(|pass| pass.draws.iter().any(zeroes_stencil)).count();
-        let in_mask = self.lights.iter().filter(|light| matches!(light.factor, FactorAt::MaskBit(_))).count();
-        let shared = self.lights.iter().find(|light| light.factor == FactorAt::Counts);
+        let factors = self.lights.iter().flat_map(LightPlanned::factors);
+        let in_mask = factors.filter(|part| matches!(part.at, FactorAt::MaskBit(_))).count();
+        let is_shared = |light: &&LightPlanned| light.factors().any(|part| part.at == FactorAt::Counts);
+        let shared = self.lights.iter().find(is_shared);
         if let (Some(light), Some(pass)) =
             (shared, self.passes.iter().find(|p| p.draws.iter().any(zeroes_stencil)))
         {

@@ -46,6 +46,7 @@ const ALL_FLAGS: &[&str] = &[
     "SECOND_UV",
     "SMOOTH_TERMINATOR",
     "SURFACE_FUNCTION",
+    "TINTED",
     "VERTEX_COLOR",
     "VISIBILITY",
 ];

@@ -46,6 +46,10 @@ pub enum ShadowError {
         "light '{light}' is served by '{darkening}', which darkens the finished picture, and by '{other}', which takes away the light itself; one light may have one of the two"
     )]
     DarkenedTwice { light: String, darkening: String, other: String },
+    #[error(
+        "light '{light}' is served by '{once}', which darkens the finished picture once for all lights, and by '{apart}', which darkens it by itself; one light may have one of the two"
+    )]
+    DarkeningsDiffer { light: String, once: String, apart: String },
     #[error("shadow node '{node}' ({technique}) needs {needed}, which adapter '{adapter}' does not have")]
     MissingFeature { node: String, technique: &'static str, needed: String, adapter: String },
     #[error("shadow node '{node}' ({technique}): {reason}")]

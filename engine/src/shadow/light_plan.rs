@@ -6,7 +6,9 @@ use wgpu::TextureFormat;
 
 use super::{Cache, Claim, ShadowError, culling};
 use crate::math::{Aabb, ViewFrustum};
-use crate::plan::{Access, BufferUsage, ColorTarget, DepthTarget, Load, Pass, PlanBuilder, SlotId, SlotKind};
+use crate::plan::{
+    Access, BufferUsage, ColorTarget, DepthTarget, Load, Pass, PlanBuilder, SlotId, SlotKind, taken,
+};
 use crate::scene::{ImageKey, Instance, Posed, PosedCamera, PosedLight};
 
 /// From where, and how large, the frame is seen.
@@ -77,6 +79,9 @@ pub struct LightPlan<'a> {
     pub(crate) visible_triangles: &'a mut Option<SlotId>,
     pub(crate) receiver_normals: &'a mut Option<SlotId>,
     pub(crate) own_shadow: &'a mut bool,
+    /// What the picture loses where this claim's factor is 0, and whether the finished picture does, not the light.
+    pub(crate) taken: &'a mut [f32; 3],
+    pub(crate) darkens_apart: &'a mut bool,
 }
 
 /// The one darkening of a frame's finished picture.
@@ -222,6 +227,25 @@ impl<'a> LightPlan<'a> {
         }
         *self.darkens = true;
         Ok(())
+    }
+
+    /// Weights and colours this node's shadow in the picture, channel by channel: the light is multiplied by
+    /// 1 − weight · (1 − factor) · (1 − colour), for each node that serves it. `color` is linear red, green and blue;
+    /// both are confined to 0 … 1. The factor that is asked for is never weighted. (With four samples a pixel, where
+    /// shadow edges of two nodes of different weights cross within a pixel, it gets the product of their means.)
+    pub fn tint(&mut self, weight: f64, color: [f64; 3]) {
+        *self.taken = taken(weight, color);
+    }
+
+    /// Has the light shaded as if nothing shadowed it, and the finished picture multiplied by
+    /// 1 − weight · (1 − factor) · (1 − colour), with this node's factor, be it counted or in the visibility; for one
+    /// node and light after the other (the black rectangle over the screen of the second method of paper 002 §6.4). Highlights of
+    /// lights that are blocked stay, darkened. The factor that is asked for is not changed. Weight and colour as for
+    /// [`LightPlan::tint`], which has no effect then. A light whose shadows darken the picture for one node does so for
+    /// all of its nodes, or the frame is refused.
+    pub fn darken_picture(&mut self, weight: f64, color: [f64; 3]) {
+        *self.taken = taken(weight, color);
+        *self.darkens_apart = true;
     }
 
     /// Has instance number `instance` shaded by its normals alone where it turns away from this light: the technique

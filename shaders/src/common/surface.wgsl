@@ -37,7 +37,8 @@ struct LightArriving {
     towards_in_view: vec3f,
     // On a surface that faces the light, as if nothing shadowed it; times the picture's exposure.
     irradiance: vec3f,
-    // What fraction of it passes all casters: 1 lit, 0 dark, also where the surface is turned away from the light.
+    // What fraction of it passes all casters: 1 lit, 0 dark, also where the surface is turned away from the light. More
+    // than passes them where shadow nodes have a weight below 1 or a colour.
     factor: vec3f,
 }
 #endif

@@ -18,10 +18,20 @@ use crate::plan::{
 };
 use crate::scene::{Instance, Material, Posed};
 
-/// The flags of surface_shade for what a draw reads, by binding number (the depth of samples is number 3), whether a
-/// visibility has one channel, whether any light has smooth terminators, and whether any factor holds own shadows.
-const READ_FLAGS: [&str; 7] =
-    ["COUNTS", "MASK", "VISIBILITY", "MULTISAMPLED", "ONE_CHANNEL", "SMOOTH_TERMINATOR", "OWN_SHADOW"];
+/// The flags of surface_shade for what a draw reads, by binding number (the depth of samples is number 3, weights of
+/// shadows number 7), and at numbers that no binding has: whether a visibility has one channel, whether any light has
+/// smooth terminators, whether any factor holds own shadows, whether there is one factor only.
+const READ_FLAGS: [&str; 9] = [
+    "COUNTS",
+    "MASK",
+    "VISIBILITY",
+    "MULTISAMPLED",
+    "ONE_CHANNEL",
+    "SMOOTH_TERMINATOR",
+    "OWN_SHADOW",
+    "TINTED",
+    "ONE_FACTOR",
+];
 
 /// Those of [`READ_FLAGS`] that say where factors are.
 const FACTOR_FLAGS: u32 = 0b111;
@@ -293,7 +303,9 @@ impl Executor {
         let mut read: u32 = draw.bindings.iter().map(|(number, _)| 1 << number).sum();
         if let [light] = &scene.plan.lights[..] {
             // Where one light's factor is, is known now: the shader need not ask.
-            read &= !FACTOR_FLAGS | factor_flag(light.factor);
+            let flags = light.factors().fold(0, |flags, part| flags | factor_flag(part.at));
+            read &= !FACTOR_FLAGS | flags;
+            read |= u32::from(light.more_factors.is_empty()) << 8;
         }
         // A texture of one channel reads as (r, 0, 0, 1): its one factor is that of all colours.
         let one_channel =

@@ -1,0 +1,111 @@
+//! The one pass that shades what is seen, with the factors of all lights.
+
+use std::sync::Arc;
+
+use super::assembly::Assembly;
+use super::surface_functions;
+use crate::plan::{
+    ALL_TAKEN, Access, Binding, BlendState, BufferUsage, ColorTarget, CompareFunction, DrawState, FactorAt,
+    LightPlanned, Load, Pass, SlotId, SurfaceStyle,
+};
+use crate::shadow::hash_of;
+
+impl Assembly<'_> {
+    /// Shades what is seen by all lights at once.
+    pub(super) fn shading(
+        &mut self,
+        after_prepass: bool,
+        counts: bool,
+        mask: Option<SlotId>,
+        lights: &[LightPlanned],
+    ) {
+        let background = self.posed.background.as_dvec3();
+        let mut bindings = Vec::new();
+        let any = |wanted: &dyn Fn(FactorAt) -> bool| {
+            lights.iter().flat_map(LightPlanned::factors).any(|part| wanted(part.at))
+        };
+        if any(&|at| at == FactorAt::Counts) {
+            bindings.push((0, Binding::StencilOf(self.depth)));
+        }
+        if self.multisampled() {
+            bindings.extend(mask.map(|mask| (1, Binding::Texture(mask))));
+        } else {
+            bindings.extend(mask.map(|mask| (1, Binding::TextureArray(mask))));
+        }
+        if any(&|at| matches!(at, FactorAt::Visibility(_))) {
+            bindings.push((2, Binding::TextureArray(self.visibility)));
+        }
+        if self.multisampled() && !bindings.is_empty() {
+            // Which samples show the fragment that is shaded: their factors are averaged.
+            bindings.push((3, Binding::Texture(self.depth)));
+        }
+        bindings.extend(self.tints(lights).map(|tints| (7, Binding::Storage(tints))));
+        let mut state = DrawState::new(CompareFunction::Equal, vec![Some(BlendState::REPLACE)]);
+        let mut depth = self.depth_read();
+        if !after_prepass {
+            state.depth_compare = CompareFunction::Greater;
+            state.depth_write = true;
+            depth.depth = Access::Clear(0.0);
+            depth.stencil = counts.then_some(Access::Clear(0.0));
+        }
+        let mut draws = vec![self.surfaces_draw("opaque surfaces", SurfaceStyle::Opaque, None, state)];
+        draws[0].bindings = bindings;
+        if !self.surfaces.blended.is_empty() {
+            let state = DrawState::new(
+                CompareFunction::Greater,
+                vec![Some(BlendState::PREMULTIPLIED_ALPHA_BLENDING)],
+            );
+            draws.push(self.surfaces_draw("blended surfaces", SurfaceStyle::Blended, None, state));
+            self.b.note("blended surfaces are lit without shadows: factors are those of the opaque surface");
+        }
+        self.b.notes.extend(surface_functions::notes(self.posed, &self.surfaces, lights));
+        let by_functions = surface_functions::reason(self.posed, &self.surfaces);
+        self.b.passes.push(Pass {
+            name: "shading".into(),
+            reason: match lights.len() {
+                0 => "ambient light only".to_owned(),
+                1 => "the only light".into(),
+                n => format!("all {n} lights at once"),
+            } + &by_functions,
+            colors: vec![ColorTarget {
+                slot: self.drawn,
+                layer: 0,
+                load: Load::Clear([background.x, background.y, background.z, 1.0]),
+                resolve: None,
+            }],
+            depth: Some(depth),
+            draws,
+        });
+    }
+
+    /// What the picture loses where factors are 0, as `tints` of surface_shade: an entry for each light, and after them
+    /// one for each further factor. `None` when shadows take everything, each light's in one factor.
+    fn tints(&mut self, lights: &[LightPlanned]) -> Option<SlotId> {
+        if lights.iter().all(|light| light.taken == ALL_TAKEN && light.more_factors.is_empty()) {
+            return None;
+        }
+        let mut words: Vec<u32> = Vec::new();
+        let mut further: Vec<u32> = Vec::new();
+        let entry = |words: &mut Vec<u32>, taken: [f32; 3], next: usize, place: [u32; 2]| {
+            words.extend(taken.map(f32::to_bits));
+            words.extend([next as u32, place[0], place[1], 0, 0]);
+        };
+        for light in lights {
+            let first = lights.len() + further.len() / ENTRY_WORDS;
+            let count = light.more_factors.len();
+            // Each names the next; the last one none.
+            let next = |index: usize| if index < count { first + index } else { 0 };
+            for (index, part) in light.factors().enumerate() {
+                let words = if index == 0 { &mut words } else { &mut further };
+                entry(words, part.taken, next(index), part.at.kind_and_index());
+            }
+        }
+        words.extend(further);
+        let contents = Arc::new(bytemuck::cast_slice(&words).to_vec());
+        let reason = "weights and colours of shadows: what the picture loses where a factor is 0";
+        Some(self.b.buffer("tints", BufferUsage::Storage, hash_of(("tints", &words)), contents, reason))
+    }
+}
+
+/// Words of one entry: `struct TintedFactor` of surface_shade.wgsl.
+const ENTRY_WORDS: usize = 8;

@@ -1,0 +1,81 @@
+//! What a plan says of each light: where its factor is, and what it takes from the picture.
+
+use super::SlotId;
+
+/// Where the shading pass finds the factor of a light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FactorAt {
+    /// Nothing shadows the light: 1 everywhere.
+    Lit,
+    /// Dark where the stencil is not zero.
+    Counts,
+    /// Dark where this bit of the light mask is set.
+    MaskBit(u32),
+    /// The value in this layer of the visibility array.
+    Visibility(u32),
+    /// 1 while shading; the finished picture is darkened where the counts of all such lights are not zero.
+    Darkening,
+}
+
+/// What the plan found out about one light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightPlanned {
+    /// The light's name.
+    pub name: String,
+    /// Where its factor ends up; the first of its factors when several nodes are weighted apart.
+    pub factor: FactorAt,
+    /// What the picture loses of the light where that factor is 0, for red, green and blue: weight · (1 − colour).
+    /// [`ALL_TAKEN`] unless a node says otherwise.
+    pub taken: [f32; 3],
+    /// Factors of nodes that are weighted apart: the picture is shaded with the product of all.
+    pub more_factors: Vec<FactorPart>,
+    /// The techniques that shadow it, by type name and what options are not at their default; empty
+    /// without any.
+    pub techniques: Vec<String>,
+    /// Instances that are shaded by their normals alone where they turn away from the light.
+    pub smooth_terminators: Vec<u32>,
+    /// Whether its factor holds the receiver's own shadow too: surfaces turned away from the light's centre are as
+    /// dark as the factor says, not dark by themselves.
+    pub own_shadow: bool,
+    /// Index of the factor image slot, when one was asked for.
+    pub factor_image: Option<SlotId>,
+}
+
+/// What shadow takes of a light unless a node says otherwise: everything.
+pub const ALL_TAKEN: [f32; 3] = [1.0; 3];
+
+/// The factor of nodes that are weighted apart from others of the same light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FactorPart {
+    /// Where it ends up.
+    pub at: FactorAt,
+    /// What the picture loses of the light where it is 0; see [`LightPlanned::taken`].
+    pub taken: [f32; 3],
+}
+
+impl FactorAt {
+    /// `factor_kind` and `factor_index` of common/lights.wgsl.
+    pub(crate) fn kind_and_index(self) -> [u32; 2] {
+        match self {
+            Self::Lit | Self::Darkening => [0, 0],
+            Self::Counts => [1, 0],
+            Self::MaskBit(bit) => [2, bit],
+            Self::Visibility(layer) => [3, layer],
+        }
+    }
+}
+
+impl LightPlanned {
+    /// All its factors: the first and those weighted apart.
+    pub fn factors(&self) -> impl Iterator<Item = FactorPart> {
+        let first = FactorPart { at: self.factor, taken: self.taken };
+        std::iter::once(first).chain(self.more_factors.iter().copied())
+    }
+}
+
+/// What a shadow of this weight and linear colour takes from the picture, for red, green and blue: weight · (1 − colour).
+/// Both are confined to 0 … 1; what is not a number takes everything.
+pub fn taken(weight: f64, color: [f64; 3]) -> [f32; 3] {
+    let share = |value: f64, otherwise: f64| if value.is_nan() { otherwise } else { value.clamp(0.0, 1.0) };
+    color.map(|channel| (share(weight, 1.0) * (1.0 - share(channel, 0.0))) as f32)
+}
