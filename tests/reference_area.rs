@@ -72,6 +72,7 @@ fn compare_with(
     image: &ReferenceImage,
     exact: impl Iterator<Item = (usize, f64)>,
     max_error: f64,
+    least: usize,
 ) {
     let (mut count, mut penumbra, mut sum, mut max) = (0, 0_usize, 0.0, 0.0_f64);
     for (pixel, exact) in exact {
@@ -116,6 +117,7 @@ fn a_half_plane_before_a_lamp_is_the_closed_form() {
             &image,
             near.map(|(pixel, p)| (pixel, under_half_plane(p, center, 0.3, 1.5))),
             0.005,
+            100,
         );
     }
 }
@@ -300,4 +302,26 @@ fn one_box_is_the_closed_form() {
             compare_with(&format!("{name} {size:?}"), &image, exact, 0.006, 50);
         }
     }
+}
+
+/// What the whole table costs with 64 samples at every pixel; `cargo test --test reference_area whole_table -- --ignored --nocapture`.
+#[test]
+#[ignore = "a measurement"]
+fn the_whole_table_is_traced_in_minutes() {
+    let size = LightSize { radius_m: 0.2, half_angle_rad: 1_f64.to_radians() };
+    let start = std::time::Instant::now();
+    let (mut variants, mut slowest) = (0, Vec::new());
+    for case in cases::all().into_iter().flat_map(|entry| entry.build()) {
+        let posed = case.scene.pose().unwrap();
+        let start = std::time::Instant::now();
+        let lights = (0..posed.lights.len())
+            .map(|light| LightQuery { light, ..sized(&posed, size, Samples::Same(64)) });
+        let lights: Vec<_> = lights.collect();
+        Reference::new(&posed).render(&case.camera, case.size_px, &lights, &|_, _| {});
+        slowest.push((start.elapsed().as_secs_f64(), case.name()));
+        variants += 1;
+    }
+    slowest.sort_by(|a, b| b.0.total_cmp(&a.0));
+    println!("{variants} variants in {:.1} s", start.elapsed().as_secs_f64());
+    slowest.iter().take(12).for_each(|(seconds, name)| println!("{seconds:7.2} s  {name}"));
 }

@@ -146,6 +146,33 @@ struct Partial {
     open: bool,
 }
 
+impl Partial {
+    /// Whether it stands before `sample`, where the forms settle that.
+    #[inline(always)]
+    fn decides(&self, sample: DVec2) -> Option<bool> {
+        let mut all_clear = self.settles;
+        let mut excluding = [false; 2];
+        for form in &self.forms {
+            let value = form.at(sample);
+            if value < -form.margin {
+                excluding[0] = true;
+                if !self.open || excluding[1] {
+                    return Some(false);
+                }
+            } else if value <= form.margin {
+                all_clear = false;
+            } else if self.open && form.slope != DVec2::ZERO {
+                // The side of the light, which is 1 everywhere, excludes nothing.
+                excluding[1] = true;
+                if excluding[0] {
+                    return Some(false);
+                }
+            }
+        }
+        all_clear.then_some(true)
+    }
+}
+
 enum Class {
     Misses,
     Covers,
@@ -246,14 +273,13 @@ impl DiscTracer<'_> {
         doubtful.clear();
         let mut covering = None;
         for (index, partial) in partly.iter().enumerate() {
-            let signs = partial.forms.map(|form| form.sign_of(form.at(sample)));
-            let excluded = signs.contains(&-1) && (!partial.open || signs[..3].contains(&1));
-            if excluded {
-                continue;
-            }
-            if partial.settles && signs == [1; 4] {
-                covering = Some(index);
-                break;
+            match partial.decides(sample) {
+                Some(false) => continue,
+                Some(true) => {
+                    covering = Some(index);
+                    break;
+                }
+                None => {}
             }
             doubtful.push(partial.place);
         }

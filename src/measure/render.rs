@@ -388,7 +388,8 @@ impl Query {
         if !moved.receives || reached == 0 {
             return Judged { factor: 1.0, compared, ambiguous: false, bounds: [1.0; 2] };
         }
-        let turned_away = facing * moved.eye_side < 0;
+        // The horizon is decided once: for a light with a size, sample by sample.
+        let turned_away = facing * moved.eye_side < 0 && self.sized.is_empty();
         let dark = if turned_away {
             reached
         } else {

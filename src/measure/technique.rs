@@ -119,6 +119,10 @@ impl ShadowTechnique for ReferenceShadow {
         let reason = "traced on the CPU";
         let slot = light.buffer(&format!("reference of {name}"), BufferUsage::Storage, key, factors, reason);
         let target = light.multiply_visibility(Channels::One);
+        if self.light_size().is_wide(light.light().position) {
+            // Samples on the other side of the surface than the eye are dark; those of a point are the engine's business.
+            light.decides_own_shadow();
+        }
         let text = include_str!("technique.wgsl");
         let source = shadowgraph_shaders::compose(TYPE_NAME, text, &[])
             .map_err(|error| light.unsupported(error.to_string()))?;
