@@ -71,7 +71,7 @@ fn scene(casters: Vec<(Mesh, Material, DAffine3)>, light: Light, position: DVec3
 
 /// Every instance casts.
 fn render(posed: &Posed, camera: &PosedCamera) -> ReferenceImage {
-    let query = LightQuery { light: 0, casters: (0..posed.instances.len()).collect() };
+    let query = LightQuery { casters: (0..posed.instances.len()).collect(), ..LightQuery::default() };
     Reference::new(posed).render(camera, SIZE, &[query], &|_, _| {})
 }
 
@@ -273,7 +273,7 @@ fn materials_and_flags_are_obeyed() {
     assert_eq!(shadows(Material { transmission: 0.5, ..matt() }), (false, false));
 
     let mut posed = scene(vec![lid()], lamp(), above);
-    let nobody = [LightQuery { light: 0, casters: vec![] }];
+    let nobody = [LightQuery { casters: vec![], ..LightQuery::default() }];
     assert!(is_lit(&Reference::new(&posed).render(&camera(), SIZE, &nobody, &|_, _| {})));
     posed.instances[0].shadow.receives = false;
     assert!(is_lit(&render(&posed, &camera())));
@@ -323,7 +323,7 @@ fn back_faces_and_clip_planes_are_respected() {
 fn supersampling_gives_the_mean_of_the_factors() {
     let posed = scene(vec![lid()], Light::point("lamp", 1.0), DVec3::new(-1.5, 6.0, 1.0));
     let reference = Reference::new(&posed);
-    let query = [LightQuery { light: 0, casters: vec![0, 1] }];
+    let query = [LightQuery { casters: vec![0, 1], ..LightQuery::default() }];
     let fine = reference.render(&camera(), SIZE.map(|n| n * 4), &query, &|_, _| {});
     let mean = reference.render_supersampled(&camera(), SIZE, &query, &|_, _| {}, 4);
     let (width, mut between) = (SIZE[0] as usize, 0);

@@ -5,11 +5,14 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 use shadowgraph::cases::{self, Case};
 use shadowgraph::engine::scene::Posed;
 use shadowgraph::engine::shadow::LightDisc;
-use shadowgraph::measure::{Hit, LightQuery, LightSize, Reference, ReferenceImage, disc_samples};
+use shadowgraph::measure::{
+    Hit, LightQuery, LightSize, Measured, Reference, ReferenceImage, Samples, SizedCasters, compare,
+    convex_visible_share, disc_samples,
+};
 
 const SIZE_PX: [u32; 2] = [96, 96];
 
@@ -19,14 +22,22 @@ fn case(name: &str) -> Case {
 }
 
 fn query(posed: &Posed) -> LightQuery {
-    LightQuery { light: 0, casters: (0..posed.instances.len()).collect() }
+    LightQuery { casters: (0..posed.instances.len()).collect(), ..LightQuery::default() }
+}
+
+fn sized(posed: &Posed, size: LightSize, samples: Samples) -> LightQuery {
+    let casters = query(posed).casters;
+    LightQuery { sized: vec![SizedCasters { casters, size, samples }], ..LightQuery::default() }
+}
+
+fn render_with(case: &Case, size: LightSize, samples: Samples) -> ReferenceImage {
+    let posed = case.scene.pose().unwrap();
+    let lights = [sized(&posed, size, samples)];
+    Reference::new(&posed).render(&case.camera, SIZE_PX, &lights, &|_, _| {})
 }
 
 fn render(case: &Case, size: LightSize, samples: u32) -> ReferenceImage {
-    let posed = case.scene.pose().unwrap();
-    let samples = disc_samples(samples, 1);
-    let lights = [(query(&posed), size)];
-    Reference::new(&posed).render_sized(&case.camera, SIZE_PX, &lights, &samples, &|_, _| {})
+    render_with(case, size, Samples::Converged(samples))
 }
 
 fn size_of(case: &Case) -> LightSize {
@@ -56,8 +67,14 @@ fn beyond(t: f64) -> f64 {
 }
 
 /// Compares with a closed form wherever there is one; prints and bounds the error over the penumbra.
-fn compare(name: &str, image: &ReferenceImage, exact: impl Iterator<Item = (usize, f64)>, max_error: f64) {
-    let (mut count, mut penumbra, mut sum, mut max) = (0, 0, 0.0, 0.0_f64);
+fn compare_with(
+    name: &str,
+    image: &ReferenceImage,
+    exact: impl Iterator<Item = (usize, f64)>,
+    max_error: f64,
+    least: usize,
+) {
+    let (mut count, mut penumbra, mut sum, mut max) = (0, 0_usize, 0.0, 0.0_f64);
     for (pixel, exact) in exact {
         let difference = f64::from(image.lights[0].factor[pixel]) - exact;
         count += 1;
@@ -69,9 +86,9 @@ fn compare(name: &str, image: &ReferenceImage, exact: impl Iterator<Item = (usiz
             assert!(difference == 0.0, "{name}: off by {difference} outside the penumbra");
         }
     }
-    let rmse = (sum / f64::from(penumbra.max(1))).sqrt();
+    let rmse = (sum / penumbra.max(1) as f64).sqrt();
     println!("{name}: {penumbra} of {count} pixels in the penumbra, rmse {rmse:.5}, max {max:.5}");
-    assert!(penumbra > 100 && count > penumbra, "{name}: too little to compare");
+    assert!(penumbra > least && count > penumbra, "{name}: too little to compare");
     assert!(max <= max_error && rmse <= max_error / 3.0, "{name}: rmse {rmse}, max {max}");
 }
 
@@ -95,7 +112,13 @@ fn a_half_plane_before_a_lamp_is_the_closed_form() {
         // Near the edge's middle, where the board's other edges are out of the way.
         let near =
             floor_points(&case, &image).into_iter().filter(|(_, p)| p.x.abs() < 0.6 && p.z.abs() < 1.5);
-        compare(name, &image, near.map(|(pixel, p)| (pixel, under_half_plane(p, center, 0.3, 1.5))), 0.005);
+        compare_with(
+            name,
+            &image,
+            near.map(|(pixel, p)| (pixel, under_half_plane(p, center, 0.3, 1.5))),
+            0.005,
+            100,
+        );
     }
 }
 
@@ -106,7 +129,7 @@ fn a_half_plane_before_the_sun_is_the_closed_form() {
     let image = render(&case, size, 4096);
     let slope = size.half_angle_rad.tan();
     let near = floor_points(&case, &image).into_iter().filter(|(_, p)| p.x.abs() < 0.6 && p.z.abs() < 1.5);
-    compare("sun", &image, near.map(|(pixel, p)| (pixel, beyond(-p.x / (1.5 * slope)))), 0.005);
+    compare_with("sun", &image, near.map(|(pixel, p)| (pixel, beyond(-p.x / (1.5 * slope)))), 0.005, 100);
 }
 
 #[test]
@@ -156,7 +179,7 @@ fn without_size_and_inside_the_sphere_it_is_the_hard_shadow() {
 }
 
 #[test]
-fn skipping_what_is_of_one_mind_changes_nothing() {
+fn it_is_what_asking_every_sample_gives() {
     // Every sample at every pixel by the plain question: is it blocked?
     for name in ["tripod", "caster-in-light/box", "penumbra-overlap/half-planes"] {
         let case = case(name);
@@ -185,4 +208,120 @@ fn skipping_what_is_of_one_mind_changes_nothing() {
         println!("{name}: {penumbra} penumbra pixels");
         assert!(penumbra > 20, "{name}: {penumbra}");
     }
+}
+
+/// The errors of a picture that has the reference's factors, changed by `change(pixel, factor)`.
+fn errors(image: &ReferenceImage, change: impl Fn(usize, f32) -> f32) -> shadowgraph::measure::LightError {
+    let ids = image.hits.iter().map(|hit| hit.map_or([u32::MAX; 2], |hit| [hit.instance, hit.triangle]));
+    let light = &image.lights[0];
+    let factor = light.factor.iter().enumerate().map(|(pixel, factor)| change(pixel, *factor)).collect();
+    let lights = vec![(light.name.clone(), factor)];
+    compare(&Measured { size_px: image.size_px, ids: ids.collect(), lights }, image).unwrap().remove(0)
+}
+
+#[test]
+fn one_sample_too_many_at_one_pixel_is_outside() {
+    for count in [16, 64, 1024] {
+        let case = case("penumbra-overlap/half-planes");
+        let image = render_with(&case, size_of(&case), Samples::Same(count));
+        let soft = image.lights[0].soft.as_ref().unwrap();
+        assert_eq!(soft.same_samples, Some(count));
+        let same = errors(&image, |_, factor| factor);
+        println!(
+            "{count}: {} of {} pixels ambiguous, band {:.1} against boundary {:.1}",
+            same.band_pixels,
+            same.compared,
+            soft.bounds.iter().filter(|b| b[1] < 1.0).map(|b| b[1] - b[0]).sum::<f32>(),
+            soft.boundary_px
+        );
+        assert!(same.passes() && same.outside_bounds == 0 && !same.band_too_wide, "{same:?}");
+        // Any factor that ambiguous samples allow is right; one sample more is not.
+        let bounds = |pixel: usize| soft.bounds[pixel];
+        assert!(errors(&image, |pixel, _| bounds(pixel)[0]).passes());
+        assert!(errors(&image, |pixel, _| bounds(pixel)[1]).passes());
+        let settled = |pixel: &usize| {
+            let [least, largest] = bounds(*pixel);
+            image.lights[0].compared[*pixel] && least == largest && least > 0.2 && least < 0.8
+        };
+        let pixel = (0..soft.bounds.len()).find(settled).unwrap();
+        let off =
+            errors(&image, |other, factor| if other == pixel { factor + 1.0 / count as f32 } else { factor });
+        assert_eq!((off.outside_bounds, off.passes(), off.wrong), (1, false, 0), "{off:?}");
+        assert!(off.leak_mean > 0.0 && off.false_mean == 0.0);
+    }
+}
+
+#[test]
+fn parts_of_a_light_are_multiplied() {
+    // The floor and one board cast as for a point, the other board as for a disc.
+    let case = case("penumbra-overlap/half-planes");
+    let size = size_of(&case);
+    let posed = case.scene.pose().unwrap();
+    let reference = Reference::new(&posed);
+    let samples = Samples::Same(64);
+    let hard = LightQuery { casters: vec![0, 1], ..LightQuery::default() };
+    let part = SizedCasters { casters: vec![2], size, samples };
+    let soft = LightQuery { sized: vec![part.clone()], ..LightQuery::default() };
+    let both = LightQuery { sized: vec![part], ..hard.clone() };
+    let image = reference.render(&case.camera, SIZE_PX, &[hard, soft, both], &|_, _| {});
+    let [hard, soft, both] = &image.lights[..] else { panic!("three lights") };
+    let (mut dark, mut between) = (0, 0);
+    for pixel in (0..both.factor.len()).filter(|pixel| both.compared[*pixel]) {
+        let product = hard.factor[pixel] * soft.factor[pixel];
+        assert_eq!(both.factor[pixel], product);
+        let [least, largest] = both.soft.as_ref().unwrap().bounds[pixel];
+        assert!(least <= product && product <= largest);
+        assert_eq!(both.ambiguous[pixel], hard.ambiguous[pixel] || soft.ambiguous[pixel]);
+        dark += usize::from(hard.factor[pixel] == 0.0 && soft.factor[pixel] > 0.0);
+        between += usize::from(product > 0.0 && product < 1.0);
+    }
+    assert!(dark > 50 && between > 50, "{dark}, {between}");
+    assert_eq!(both.soft.as_ref().unwrap().same_samples, Some(64));
+}
+
+#[test]
+fn one_box_is_the_closed_form() {
+    for name in ["penumbra-width/low", "penumbra-width/middle", "penumbra-width/high"] {
+        let case = case(name);
+        let posed = case.scene.pose().unwrap();
+        let [_, caster] = &posed.instances[..] else { panic!("a floor and a box") };
+        let vertices = 0..caster.mesh.positions().len() as u32;
+        let corners: Vec<DVec3> = vertices.map(|vertex| caster.world_position(vertex)).collect();
+        let lamp = posed.lights[0].position;
+        let sun = DVec4::new(-0.2, 1.0, 0.1, 0.0);
+        let wide = LightSize { half_angle_rad: 0.15, ..LightSize::NONE };
+        for (light, size) in
+            [(lamp, size_of(&case)), (lamp, LightSize { radius_m: 0.7, ..wide }), (sun, wide)]
+        {
+            let mut posed = posed.clone();
+            posed.lights[0].position = light;
+            let query = sized(&posed, size, Samples::Converged(4096));
+            let image = Reference::new(&posed).render(&case.camera, SIZE_PX, &[query], &|_, _| {});
+            let share = |point| convex_visible_share(&corners, point, Some(DVec3::Y), light, size);
+            let exact = floor_points(&case, &image).into_iter().map(|(pixel, point)| (pixel, share(point)));
+            compare_with(&format!("{name} {size:?}"), &image, exact, 0.006, 50);
+        }
+    }
+}
+
+/// What the whole table costs with 64 samples at every pixel; `cargo test --test reference_area whole_table -- --ignored --nocapture`.
+#[test]
+#[ignore = "a measurement"]
+fn the_whole_table_is_traced_in_minutes() {
+    let size = LightSize { radius_m: 0.2, half_angle_rad: 1_f64.to_radians() };
+    let start = std::time::Instant::now();
+    let (mut variants, mut slowest) = (0, Vec::new());
+    for case in cases::all().into_iter().flat_map(|entry| entry.build()) {
+        let posed = case.scene.pose().unwrap();
+        let start = std::time::Instant::now();
+        let lights = (0..posed.lights.len())
+            .map(|light| LightQuery { light, ..sized(&posed, size, Samples::Same(64)) });
+        let lights: Vec<_> = lights.collect();
+        Reference::new(&posed).render(&case.camera, case.size_px, &lights, &|_, _| {});
+        slowest.push((start.elapsed().as_secs_f64(), case.name()));
+        variants += 1;
+    }
+    slowest.sort_by(|a, b| b.0.total_cmp(&a.0));
+    println!("{variants} variants in {:.1} s", start.elapsed().as_secs_f64());
+    slowest.iter().take(12).for_each(|(seconds, name)| println!("{seconds:7.2} s  {name}"));
 }

@@ -28,6 +28,7 @@ fn reference(band: bool) -> ReferenceImage {
         factor: hits.iter().enumerate().map(|(pixel, hit)| factor(hit, is_dark(at(pixel)))).collect(),
         compared: hits.iter().map(Option::is_some).collect(),
         ambiguous: (0..PIXELS).map(|p| band && hits[p].is_some() && at(p).0 > 0 && at_edge(at(p))).collect(),
+        soft: None,
     };
     ReferenceImage { size_px: SIZE, hits, lights: vec![light] }
 }

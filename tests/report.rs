@@ -26,6 +26,8 @@ const PACE: Pace = Pace { min_rounds: 3, max_rounds: 3, budget: Duration::ZERO }
 const TINY: Effort = Effort {
     name: "tiny",
     size_px: [64, 48],
+    soft_size_px: [48, 36],
+    whole_light_samples: [256, 64],
     parts: SCENES,
     scene_pace: PACE,
     pass_frames: 2,

@@ -12,7 +12,8 @@ use common::conformance::{Trial, try_all};
 use common::tolerances::{KNOWN, Known, ROWS};
 use shadowgraph::cases::Case;
 use shadowgraph::cases::sweeps::{self, Sweep};
-use shadowgraph::measure::evaluate;
+use shadowgraph::engine::shadow::Catalog;
+use shadowgraph::measure::{ReferenceShadow, evaluate};
 use shadowgraph::prelude::*;
 
 /// What is known about a trial.
@@ -78,6 +79,30 @@ fn every_sweep_is_right_at_every_step() {
         }
     }
     assert!(failures.is_empty(), "{} fail:\n{}", failures.len(), failures.join("\n"));
+}
+
+#[test]
+fn sweeps_of_a_lights_size_are_right_at_every_step_for_the_reference() {
+    let Some(renderer) = common::renderer() else { return };
+    let mut catalog = Catalog::new();
+    catalog.register(ReferenceShadow::ENTRY);
+    let mut renderer = Renderer::new(renderer.gpu().clone(), catalog);
+    for sweep in sweeps::all().into_iter().filter(|sweep| sweep.option.is_some()) {
+        assert!(sweep.concerns(&ReferenceShadow::ENTRY), "{}", sweep.id);
+        let mut penumbrae = 0;
+        for (value, case) in sweep.steps() {
+            for trial in try_all(&mut renderer, &case, ROWS) {
+                println!("{:<58} {}", trial.name(), row(&trial));
+                assert_eq!(trial.complaint, None, "{}", trial.name());
+                let evaluation = trial.evaluation.unwrap();
+                let query = &evaluation.queries[0].sized[0];
+                assert!((query.size.radius_m - value).abs() < 1e-12 || query.size.half_angle_rad > 0.0);
+                assert_eq!(evaluation.errors[0].same_samples, Some(64));
+                penumbrae += evaluation.errors[0].penumbra_pixels;
+            }
+        }
+        assert!(penumbrae > 1000, "{}: {penumbrae} pixels in penumbrae", sweep.id);
+    }
 }
 
 /// The factors that default options give, pixel by pixel, where they are compared and outside the band.

@@ -12,7 +12,8 @@ use shadowgraph::measure::json::{error_json, spread_json};
 use shadowgraph::measure::pictures::PictureError;
 use shadowgraph::measure::timing::{Spread, Timed, time_frames};
 use shadowgraph::measure::{
-    ErrorTable, Evaluation, LightError, evaluate, mean_of_samples, measured, pictures,
+    CONVERGED_SAMPLES, Converged, ErrorTable, Evaluation, KnownReferences, LightError, Progress, evaluate,
+    evaluate_converged, mean_of_samples, measured, pictures,
 };
 use shadowgraph::prelude::*;
 
@@ -33,7 +34,8 @@ pub(crate) struct RenderArgs {
     /// samples that hit something where edges are smoothed.
     #[arg(long, value_name = "DIR")]
     visibility: Option<PathBuf>,
-    /// Compares every shadowed light with the exact reference and prints the error.
+    /// Compares every shadowed light with the exact reference and prints the error; lights of a technique that takes samples
+    /// of them with those samples first, then with the whole light.
     #[arg(long)]
     error: bool,
     /// Writes the picture beside the reference's factor and the error map of every shadowed light, as one PNG.
@@ -104,6 +106,10 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     };
     let judged = args.error || args.sheet.is_some();
     let evaluation = if judged { Some(with_progress(&mut renderer, &scene, &request)?) } else { None };
+    let converged = match &evaluation {
+        Some(evaluation) => with_progress_converged(&mut renderer, &scene, &request, evaluation)?,
+        None => None,
+    };
 
     if let Some(folder) = &args.visibility {
         // Factors take passes of their own, which are no part of what was timed.
@@ -112,7 +118,10 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         stage_factors(&mut outputs, folder, &frame, &request)?;
     }
     if let Some(path) = &args.json {
-        let errors = evaluation.as_ref().map_or(&[][..], |e| &e.errors);
+        let errors = [
+            evaluation.as_ref().map_or(&[][..], |evaluation| &evaluation.errors),
+            converged.as_ref().map_or(&[][..], |converged| &converged.errors),
+        ];
         let report = report(renderer.gpu(), &frame, timed.as_ref(), errors, args.frames);
         let text = serde_json::to_string_pretty(&report).map_err(other)?;
         outputs.stage_bytes(path, format!("{text}\n").as_bytes())?;
@@ -120,6 +129,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(picture) = &frame.picture {
         let png = files::png(picture)?;
         if let (Some(path), Some(Evaluation { measured, reference, .. })) = (&args.sheet, &evaluation) {
+            let reference = converged.as_ref().map_or(reference, |converged| &converged.reference);
             let sheet = pictures::sheet_png(path, &png, measured, reference).map_err(other)?;
             outputs.stage_bytes(path, &sheet)?;
         }
@@ -132,6 +142,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(evaluation) = &evaluation {
         out!("{}", ErrorTable(&evaluation.errors));
     }
+    if let Some(converged) = &converged {
+        out!("against the whole light ({CONVERGED_SAMPLES} samples):\n{}", ErrorTable(&converged.errors));
+    }
     Ok(())
 }
 
@@ -141,16 +154,34 @@ pub(crate) fn with_progress(
     scene: &Scene,
     request: &FrameRequest,
 ) -> Result<Evaluation, Failure> {
+    Ok(behind_bar(request, &mut |progress| evaluate(renderer, scene, request, progress))?)
+}
+
+/// Compares with whole lights, behind a progress bar, what was compared with a technique's own samples.
+fn with_progress_converged(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    request: &FrameRequest,
+    evaluation: &Evaluation,
+) -> Result<Option<Converged>, Failure> {
+    let mut references = KnownReferences::default();
+    Ok(behind_bar(request, &mut |progress| {
+        evaluate_converged(renderer, scene, request, evaluation, &mut references, progress)
+    })?)
+}
+
+/// What `work` returns, with a bar that shows its progress.
+fn behind_bar<T>(request: &FrameRequest, work: &mut dyn FnMut(&Progress<'_>) -> T) -> T {
     let bar = ProgressBar::new(u64::from(request.size_px[1]));
     if let Ok(style) = ProgressStyle::with_template("reference {bar:40} {percent:>3} % {eta:>4} left") {
         bar.set_style(style);
     }
-    let evaluation = evaluate(renderer, scene, request, &|done, all| {
+    let result = work(&|done, all| {
         bar.set_length(all as u64);
         bar.set_position(done as u64);
     });
     bar.finish_and_clear();
-    Ok(evaluation?)
+    result
 }
 
 /// Every light's factor, to go to its file in `folder`.
@@ -199,7 +230,7 @@ fn report(
     gpu: &Gpu,
     frame: &Frame,
     timed: Option<&Timed>,
-    errors: &[LightError],
+    [errors, converged]: [&[LightError]; 2],
     frames: Option<u32>,
 ) -> Value {
     let passes: Vec<Value> = frame
@@ -232,6 +263,10 @@ fn report(
             entry.insert("techniques".into(), json!(light.techniques));
             if let Some(error) = errors.iter().find(|error| error.name == light.name) {
                 entry.insert("error".into(), error_json(error));
+            }
+            // Where the technique takes samples: beside the whole light.
+            if let Some(error) = converged.iter().find(|error| error.name == light.name) {
+                entry.insert("error_whole_light".into(), error_json(error));
             }
             Value::Object(entry)
         })

@@ -2,130 +2,166 @@
 //!
 //! **The light** is a disc, as `shadowgraph_engine::shadow` defines it for every technique ([`LightSize::disc`]).
 //!
-//! **The factor** is the share of samples that nothing blocks, each judged by the very segment test of hard shadows. The
-//! samples ([`disc_samples`]) are stratified and the same at every pixel, so that a technique with the same samples can
-//! be compared bit by bit; with S of them the deviation from the integral is at most 0.5/√S, and far less where an edge
-//! crosses the disc once.
+//! **The factor** is the share of samples that nothing blocks, each judged as hard shadows are. Samples on the other side
+//! of the receiving triangle than the eye are dark. *Same samples* ([`light_samples`]) are those that the judged technique takes
+//! itself, so that every pixel can be judged; else there are so many stratified ones ([`disc_samples`]) that their share
+//! is as good as the integral: an edge's position is then off by a thousandth of the disc.
 //!
-//! **Where it is cast.** A pixel gets all samples unless a pilot of [`PILOT_SAMPLES`] is of one mind there and at all
-//! eight neighbours. A penumbra pixel is ambiguous when one of its samples is.
+//! **Bounds.** The moves of the ambiguity band take the disc along: each moved point sees its own. A sample that is
+//! dark for some moves and lit for others may count either way, so a pixel's factor must lie in
+//! \[lit, lit + ambiguous\]/S, without any band that is left out; hard lights are the case S = 1. Where the disc itself is not
+//! settled (its axes turn or its radius grows without bounds within the moves: straight above a lamp, or next to its
+//! sphere), a sample counts as settled only if it is so wherever it may lie.
 
 use glam::DVec2;
-use shadowgraph_engine::scene::PosedCamera;
-use shadowgraph_engine::shadow::{LightDisc, LightSize, disc_samples};
+use shadowgraph_engine::shadow::{LightSize, disc_samples, light_samples};
 
-use super::reference::{Probe, Reference, Tracer};
-use super::render::{
-    Judged, LightQuery, LightReference, MOVES, Moved, Progress, Query, ReferenceImage, View, for_rows,
-};
+use super::disc::{DiscTracer, Sight, Way};
+use super::moved::Moved;
+use super::reference::{CasterSet, Reference};
+use super::render::Judged;
 
-/// Samples that decide whether a pixel lies in a penumbra.
-pub const PILOT_SAMPLES: u32 = 64;
+/// As many samples stand for the whole light where nothing else is asked for.
+pub const CONVERGED_SAMPLES: u32 = 4096;
 
-impl Reference {
-    /// The reference picture through pixel centres for lights of these sizes, one for each query. Lights without size
-    /// are those of [`Reference::render`]; for the others `samples` are cast in penumbrae.
-    pub fn render_sized(
-        &self,
-        camera: &PosedCamera,
-        size_px: [u32; 2],
-        lights: &[(LightQuery, LightSize)],
-        samples: &[DVec2],
-        progress: &Progress<'_>,
-    ) -> ReferenceImage {
-        let queries: Vec<LightQuery> = lights.iter().map(|(query, _)| query.clone()).collect();
-        let mut image = self.render(camera, size_px, &queries, progress);
-        let sizes = lights.iter().filter(|(query, _)| query.light < self.lights.len()).map(|(_, size)| *size);
-        let sized: Vec<(Query, LightSize)> = self.resolve(&queries).into_iter().zip(sizes).collect();
-        for ((query, size), light) in sized.iter().zip(&mut image.lights) {
-            if size.is_wide(self.lights[query.light].position) {
-                self.soften(camera, size_px, (query, *size), samples, light, progress);
-            }
-        }
-        image
-    }
+/// The points of a disc that a reference asks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Samples {
+    /// So many of [`light_samples`]: those that the technique takes, which is judged sample by sample.
+    Same(u32),
+    /// So many stratified ones, enough to stand for the whole light.
+    Converged(u32),
+}
 
-    /// Puts the share of unblocked samples in the place of hard factors.
-    fn soften(
-        &self,
-        camera: &PosedCamera,
-        size_px: [u32; 2],
-        (query, size): (&Query, LightSize),
-        samples: &[DVec2],
-        light: &mut LightReference,
-        progress: &Progress<'_>,
-    ) {
-        let view = View::new(camera, size_px);
-        let width = size_px[0] as usize;
-        let pilot = disc_samples(PILOT_SAMPLES, 0);
-        let judge_row =
-            |y: u32, samples: &[DVec2], wanted: &(dyn Fn(usize) -> bool + Sync)| -> Vec<Option<Judged>> {
-                let (mut first, mut tracer) = (self.tracer(), self.tracer());
-                let judge = |x: u32| {
-                    wanted(y as usize * width + x as usize).then_some(())?;
-                    let pixel = [f64::from(x) + 0.5, f64::from(y) + 0.5];
-                    let (hit, t) = view.first_hit(&mut first, pixel)?;
-                    let moved = Moved::new(self, &view, pixel, hit, t)?;
-                    Some(query.judge_samples(&mut tracer, &moved, size, samples))
-                };
-                (0..size_px[0]).map(judge).collect()
-            };
-        let pilots = for_rows(size_px, progress, |y| judge_row(y, &pilot, &|_| true)).concat();
-        let of_one_mind = |pixel: usize| {
-            let (x, y) = ((pixel % width) as i64, (pixel / width) as i64);
-            let factor = |x: i64, y: i64| {
-                let inside = x >= 0 && x < width as i64 && y >= 0 && y < i64::from(size_px[1]);
-                inside.then(|| pilots[y as usize * width + x as usize])?.map(|judged| judged.factor)
-            };
-            let own = factor(x, y);
-            let same = |factor: Option<f32>| factor.is_none() || factor == own;
-            matches!(own, Some(0.0 | 1.0)) && (0..9).all(|i| same(factor(x + i % 3 - 1, y + i / 3 - 1)))
-        };
-        let wanted = |pixel: usize| pilots[pixel].is_some() && !of_one_mind(pixel);
-        let full = for_rows(size_px, progress, |y| judge_row(y, samples, &wanted)).concat();
-        for (pixel, judged) in full.iter().zip(&pilots).map(|(full, pilot)| full.or(*pilot)).enumerate() {
-            if let Some(judged) = judged {
-                light.factor[pixel] = judged.factor;
-                light.compared[pixel] = judged.compared;
-                light.ambiguous[pixel] = judged.ambiguous;
-            }
+impl Samples {
+    /// The points.
+    pub fn points(self) -> Vec<DVec2> {
+        match self {
+            Self::Same(count) => light_samples(count),
+            Self::Converged(count) => disc_samples(count, 1),
         }
     }
 }
 
-impl Query {
-    /// The share of `samples` that reach the point.
-    fn judge_samples(
-        &self,
-        tracer: &mut Tracer<'_>,
-        moved: &Moved,
-        size: LightSize,
-        samples: &[DVec2],
-    ) -> Judged {
-        let light = &tracer.reference.lights[self.light];
-        let center = moved.points[0];
-        let compared = light.reaches(center);
-        let Some(surface) = tracer.reference.surface(moved.hit).filter(|_| moved.receives && compared) else {
-            return Judged { factor: 1.0, compared, ambiguous: false };
-        };
-        let to_light = light.position.truncate() - center * light.position.w;
-        let LightDisc { radius, u, v } = size.disc(to_light.extend(light.position.w));
-        let position = |sample: &DVec2| light.position + ((u * sample.x + v * sample.y) * radius).extend(0.0);
-        let just_the_center = [DVec2::ZERO];
-        let samples = if radius > 0.0 { samples } else { &just_the_center };
-        let all = (1_u8 << MOVES) - 1;
-        let (mut lit, mut ambiguous) = (0_u32, moved.lost);
-        for sample in samples {
-            let light = position(sample);
-            if surface.facing(light) * moved.eye_side <= 0 {
-                continue;
-            }
-            let (receiver, casters) = (Some(moved.hit), &self.casters);
-            let dark =
-                tracer.blocked(&Probe { points: &moved.points, off_plane_from: 5, receiver, light, casters });
-            lit += u32::from(dark & 1 == 0);
-            ambiguous |= dark != 0 && dark != all;
+/// What casts for a light with a size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SizedCasters {
+    /// Indices into `Posed::instances`.
+    pub casters: Vec<usize>,
+    /// How large the light is.
+    pub size: LightSize,
+    /// Which points of it are asked.
+    pub samples: Samples,
+}
+
+/// What a [`LightReference`](super::LightReference) knows beyond its factor where the light has a size.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SoftBounds {
+    /// The samples that the judged technique takes itself; `None` where some stand for the whole light.
+    pub same_samples: Option<u32>,
+    /// For each pixel the least and the largest factor that ambiguous samples allow.
+    pub bounds: Vec<[f32; 2]>,
+    /// The mean, over the samples, of the boundary pixels of each one's own shadow: with it the band is compared, which for
+    /// several samples is the mean of their bands. Known for same samples.
+    pub boundary_px: f64,
+}
+
+/// [`SizedCasters`] of one reference.
+pub(super) struct SizedQuery {
+    pub(super) casters: CasterSet,
+    pub(super) size: LightSize,
+    pub(super) samples: Vec<DVec2>,
+    pub(super) same_samples: Option<u32>,
+}
+
+impl SizedQuery {
+    pub(super) fn new(reference: &Reference, sized: &SizedCasters) -> Self {
+        Self {
+            casters: reference.caster_set(&sized.casters),
+            size: sized.size,
+            samples: sized.samples.points(),
+            same_samples: match sized.samples {
+                Samples::Same(count) => Some(count),
+                Samples::Converged(_) => None,
+            },
         }
-        Judged { factor: (f64::from(lit) / samples.len() as f64) as f32, compared, ambiguous }
     }
+
+    /// How many words a pixel's lit samples take: one bit for each.
+    pub(super) fn words(&self) -> usize {
+        if self.same_samples.is_some() { self.samples.len().div_ceil(64) } else { 0 }
+    }
+
+    /// The share of samples that reach the point; `lit`, as long as [`SizedQuery::words`], says which.
+    pub(super) fn judge(
+        &self,
+        tracer: &mut DiscTracer<'_>,
+        light: usize,
+        moved: &Moved,
+        lit: &mut [u64],
+    ) -> Judged {
+        lit.fill(u64::MAX);
+        let light = &tracer.reference.lights[light];
+        let reached = moved.points.map(|point| light.reaches(point));
+        let compared = reached[0];
+        if !moved.receives || !compared {
+            return Judged { factor: 1.0, compared, ambiguous: false, bounds: [1.0; 2] };
+        }
+        let way = Way::new(self.size, &self.casters, light.position, moved);
+        let center_only = way.disc().radius == 0.0;
+        let samples = if center_only { &[DVec2::ZERO][..] } else { &self.samples };
+        // Lit and certain, lit and ambiguous, dark and ambiguous.
+        let mut counts = [0_u32; 3];
+        let mut darken = |index: usize| {
+            if let Some(word) = lit.get_mut(index / 64) {
+                *word &= !(1 << (index % 64));
+            }
+        };
+        match tracer.gather(&way) {
+            Some(true) => counts[0] = samples.len() as u32,
+            Some(false) => (0..self.samples.len()).for_each(darken),
+            None => {
+                for (index, sample) in samples.iter().enumerate() {
+                    match tracer.sees(&way, *sample) {
+                        Sight { lit: true, certain: true } => counts[0] += 1,
+                        Sight { lit: true, certain: false } => counts[1] += 1,
+                        Sight { lit: false, certain } => {
+                            counts[2] += u32::from(!certain);
+                            if center_only {
+                                (0..self.samples.len()).for_each(&mut darken);
+                            } else {
+                                darken(index);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        let share = |count: u32| (f64::from(count) / samples.len() as f64) as f32;
+        let mut bounds = [share(counts[0]), share(counts.iter().sum())];
+        if moved.lost {
+            bounds = [0.0, 1.0];
+        } else if reached.contains(&false) {
+            bounds[1] = 1.0;
+        }
+        let ambiguous = bounds[0] < bounds[1];
+        Judged { factor: share(counts[0] + counts[1]), compared, ambiguous, bounds }
+    }
+}
+
+/// The boundary pixels of every sample's own shadow, on average: `lit` has for each pixel `words` words, a bit for each
+/// sample, of which there are `samples`.
+pub(super) fn boundary_px(lit: &[u64], words: usize, samples: usize, compared: &[bool], width: usize) -> f64 {
+    let at = |pixel: usize| &lit[pixel * words..(pixel + 1) * words];
+    let both = |a: usize, b: usize| b < compared.len() && compared[a] && compared[b];
+    let mut differing = 0_u64;
+    for pixel in 0..compared.len() {
+        let right = (pixel + 1) % width != 0 && both(pixel, pixel + 1);
+        let below = both(pixel, pixel + width);
+        for (word, own) in at(pixel).iter().enumerate() {
+            let differs = |there: bool, other: usize| if there { own ^ at(other)[word] } else { 0 };
+            differing += u64::from((differs(right, pixel + 1) | differs(below, pixel + width)).count_ones());
+        }
+    }
+    differing as f64 / samples.max(1) as f64
 }

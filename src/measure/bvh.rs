@@ -75,7 +75,83 @@ impl BoxRay {
     }
 }
 
+/// All ways from about a point to about a disc, in cube coordinates: for every t in \[0, 1\], or from 0 on, along each
+/// axis whatever lies between `origin[0]` + t·`slope[0]` and `origin[1]` + t·`slope[1]`.
+pub(super) struct Cone {
+    /// Per axis the lower bound's and the upper bound's start.
+    origin: [[f64; 2]; 3],
+    /// Per axis how fast they move, as reciprocals.
+    inverse: [[f64; 2]; 3],
+    t_max: f64,
+}
+
+impl Cone {
+    /// Whether it meets the box between `low` and `high`.
+    #[inline(always)]
+    fn meets(&self, low: [f32; 3], high: [f32; 3]) -> bool {
+        let (mut first, mut last) = (0.0_f64, self.t_max);
+        for axis in 0..3 {
+            // The lower bound has to be below the box's upper side, and the upper bound above its lower side.
+            let below = (f64::from(high[axis]) - self.origin[axis][0]) * self.inverse[axis][0];
+            let above = (f64::from(low[axis]) - self.origin[axis][1]) * self.inverse[axis][1];
+            if self.inverse[axis][0] > 0.0 {
+                last = last.min(below)
+            } else {
+                first = first.max(below)
+            }
+            if self.inverse[axis][1] > 0.0 { first = first.max(above) } else { last = last.min(above) }
+        }
+        first <= last
+    }
+}
+
 impl Bvh {
+    /// All ways from within `near_m` of `from`, along each axis, to within `far_m[axis]` of `from` + `way`; on and on in
+    /// the same directions where they do not `end` there.
+    pub(super) fn cone(&self, from: DVec3, near_m: f64, way: DVec3, far_m: DVec3, end: bool) -> Cone {
+        let from = (from - self.center) * self.scale;
+        let (near, way, far) = (near_m * self.scale, way * self.scale, far_m * self.scale);
+        // Endless ways fan out from where they start; those with an end go straight from one spread to the other.
+        let fan = if end { far - near } else { far };
+        // A finite stand-in for the reciprocal of zero keeps 0·∞ out.
+        let inverse = |slope: f64| if slope.abs() < 1e-280 { 1e280 } else { slope.recip() };
+        Cone {
+            origin: std::array::from_fn(|axis| [from[axis] - near, from[axis] + near]),
+            inverse: std::array::from_fn(|axis| {
+                [inverse(way[axis] - fan[axis]), inverse(way[axis] + fan[axis])]
+            }),
+            t_max: if end { 1.0 } else { f64::INFINITY },
+        }
+    }
+
+    /// Calls `leaf` with every run of triangles whose box `cone` meets, until it returns `false`.
+    pub(super) fn walk_cone(
+        &self,
+        cone: &Cone,
+        stack: &mut Vec<Open>,
+        mut leaf: impl FnMut(Range<usize>) -> bool,
+    ) {
+        stack.clear();
+        stack.push(Open { child: self.root, t: 0.0 });
+        while let Some(Open { child, .. }) = stack.pop() {
+            if child.count > 0 {
+                let first = child.first as usize;
+                if !leaf(first..first + child.count as usize) {
+                    return;
+                }
+                continue;
+            }
+            let Some(node) = self.nodes.get(child.first as usize) else { return };
+            for (side, child) in node.children.into_iter().enumerate() {
+                let low = node.slabs.map(|slab| slab[side]);
+                let high = node.slabs.map(|slab| slab[side + 2]);
+                if cone.meets(low, high) {
+                    stack.push(Open { child, t: 0.0 });
+                }
+            }
+        }
+    }
+
     /// Builds the tree over triangles with these `boxes` within `bounds`, and says in which order it wants them.
     pub(super) fn new(boxes: &[Aabb], bounds: &Aabb) -> (Self, Vec<u32>) {
         let center = bounds.center();

@@ -6,10 +6,13 @@ use shadowgraph_engine::gpu::Timing;
 use shadowgraph_engine::manager::{Frame, FrameRequest, RenderError, RenderOptions, Renderer};
 use shadowgraph_engine::plan::Antialias;
 use shadowgraph_engine::scene::{Posed, Scene};
-use shadowgraph_engine::shadow::Registry;
+use shadowgraph_engine::shadow::{Claim, LightSize, Registry};
 use thiserror::Error;
 
-use super::{CompareError, LightError, LightQuery, Measured, Progress, Reference, ReferenceImage, compare};
+use super::{
+    CONVERGED_SAMPLES, CompareError, LightError, LightQuery, Measured, Progress, Reference, ReferenceImage,
+    Samples, SizedCasters, compare,
+};
 
 /// Why a scene could not be judged.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -34,12 +37,60 @@ pub struct Evaluation {
     pub reference: Arc<ReferenceImage>,
     /// One entry for each light that a shadow node serves.
     pub errors: Vec<LightError>,
+    /// What the reference was asked.
+    pub queries: Vec<LightQuery>,
 }
 
-/// What the reference is asked about: every light that a shadow node serves, with its casters.
+/// A picture beside the whole light, where [`Evaluation`] has it beside the samples that a technique takes itself.
+#[derive(Clone, Debug)]
+pub struct Converged {
+    /// What is right.
+    pub reference: Arc<ReferenceImage>,
+    /// One entry for each light that a shadow node serves.
+    pub errors: Vec<LightError>,
+}
+
+/// What the reference is asked about: every light that a shadow node serves, with its casters, each as large as the
+/// technique that it casts through takes the light to be. A technique that takes samples is asked for the same ones; for the
+/// others [`CONVERGED_SAMPLES`] stand for the whole light.
 pub fn queries(registry: &Registry) -> Vec<LightQuery> {
+    queries_with(registry, CONVERGED_SAMPLES)
+}
+
+/// [`queries`] with so many samples for a whole light.
+pub fn queries_with(registry: &Registry, converged: u32) -> Vec<LightQuery> {
     let served = registry.lights.iter().enumerate().filter(|(_, claims)| !claims.is_empty());
-    served.map(|(light, _)| LightQuery { light, casters: registry.casters_of(light) }).collect()
+    let query = |(light, claims): (usize, &Vec<Claim>)| {
+        let mut query = LightQuery { light, ..LightQuery::default() };
+        for Claim { technique, casters, .. } in claims {
+            let size = technique.light_size();
+            if size == LightSize::NONE {
+                query.casters.extend(casters);
+                continue;
+            }
+            let count = technique.light_sample_count();
+            let samples = count.map_or(Samples::Converged(converged), Samples::Same);
+            match query.sized.iter_mut().find(|part| part.size == size && part.samples == samples) {
+                // One light's casters hide the union of what they hide, however many nodes claim them.
+                Some(part) => part.casters.extend(casters),
+                None => query.sized.push(SizedCasters { casters: casters.clone(), size, samples }),
+            }
+        }
+        query.casters.sort_unstable();
+        query.sized.iter_mut().for_each(|part| part.casters.sort_unstable());
+        query
+    };
+    served.map(query).collect()
+}
+
+/// The same queries with `count` samples for the whole light in the place of a technique's own; `None` where no technique
+/// takes its own.
+pub fn converged_queries(queries: &[LightQuery], count: u32) -> Option<Vec<LightQuery>> {
+    let mut converged = queries.to_vec();
+    let parts = converged.iter_mut().flat_map(|query| &mut query.sized);
+    let own = parts.filter(|part| matches!(part.samples, Samples::Same(_)));
+    let own = own.map(|part| part.samples = Samples::Converged(count)).count();
+    (own > 0).then_some(converged)
 }
 
 /// What a frame with factors measured, in the reference's terms: NaN where nothing is hit, red, green and blue apart
@@ -85,12 +136,24 @@ type Asked = (Antialias, Vec<LightQuery>);
 
 /// References of one scene seen by one camera, so that several techniques and settings are judged by the same picture,
 /// traced once for each choice of lights and casters.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct KnownReferences {
     known: Vec<(Asked, Arc<ReferenceImage>)>,
+    converged_samples: u32,
+}
+
+impl Default for KnownReferences {
+    fn default() -> Self {
+        Self { known: Vec::new(), converged_samples: CONVERGED_SAMPLES }
+    }
 }
 
 impl KnownReferences {
+    /// None known yet; `count` samples stand for a whole light.
+    pub fn with_samples(count: u32) -> Self {
+        Self { converged_samples: count, ..Self::default() }
+    }
+
     /// The picture that answers `queries`, traced if it is not known yet.
     fn answer(
         &mut self,
@@ -140,12 +203,34 @@ pub fn evaluate_again(
     let options = RenderOptions { read_picture: true, timing: Timing::Off, ..RenderOptions::default() };
     let frame = renderer.render(scene, &request, &options)?;
     let (posed, registry): (Arc<Posed>, Arc<Registry>) = renderer.posed(scene)?;
-    let queries = queries(&registry);
+    let queries = queries_with(&registry, references.converged_samples);
     if queries.is_empty() {
         return Err(EvaluateError::NothingToCompare);
     }
-    let reference = references.answer(&posed, &request, queries, progress);
+    let reference = references.answer(&posed, &request, queries.clone(), progress);
     let measured = measured(&frame, request.antialias.factor_size_px(request.size_px))?;
     let errors = compare(&measured, &reference)?;
-    Ok(Evaluation { frame, measured, reference, errors })
+    Ok(Evaluation { frame, measured, reference, errors, queries })
+}
+
+/// Compares what [`evaluate_again`] measured with the whole light, where that judged samples; `None` where no technique
+/// takes samples. `scene` and `request` are those that were evaluated.
+///
+/// # Errors
+/// [`EvaluateError`].
+pub fn evaluate_converged(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    request: &FrameRequest,
+    evaluation: &Evaluation,
+    references: &mut KnownReferences,
+    progress: &Progress<'_>,
+) -> Result<Option<Converged>, EvaluateError> {
+    let Some(queries) = converged_queries(&evaluation.queries, references.converged_samples) else {
+        return Ok(None);
+    };
+    let (posed, _) = renderer.posed(scene)?;
+    let reference = references.answer(&posed, request, queries, progress);
+    let errors = compare(&evaluation.measured, &reference)?;
+    Ok(Some(Converged { reference, errors }))
 }

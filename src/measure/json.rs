@@ -33,6 +33,7 @@ pub fn error_json(error: &LightError) -> Value {
         "signed_mean": error.signed_mean,
         "p99": error.p99,
         "max": error.max,
+        "outside_bounds": error.outside_bounds,
         "boundary_distance_mean_px": finite(error.boundary_distance_mean_px),
         "boundary_distance_max_px": finite(error.boundary_distance_max_px),
         "exact": error.passes(),
@@ -41,6 +42,11 @@ pub fn error_json(error: &LightError) -> Value {
         entry["penumbra_pixels"] = json!(error.penumbra_pixels);
         entry["penumbra_rmse"] = json!(error.penumbra_rmse);
         entry["max_outside_band"] = json!(error.max_outside_band);
+        entry["leak_mean"] = json!(error.leak_mean);
+        entry["false_mean"] = json!(error.false_mean);
+    }
+    if let Some(count) = error.same_samples {
+        entry["same_samples"] = json!(count);
     }
     if let [red, green, blue] = &error.channels[..] {
         entry["channels"] =

@@ -1,4 +1,4 @@
-//! The measures: an exact reference for hard shadows, and what a technique's picture is worth beside it.
+//! The measures: an exact reference for hard shadows and for lights with a size, and what a technique's picture is worth beside it.
 //!
 //! [`Reference`] shoots its own rays at the posed scene in f64 and says for every pixel which triangle is seen and
 //! whether each light reaches it. [`compare`] puts a technique's factors beside it and counts what is wrong,
@@ -7,12 +7,18 @@
 //! [`shadowgraph_engine::math`].
 
 mod area;
+#[cfg(test)]
+mod area_tests;
 mod bvh;
+mod coverage;
+mod disc;
 mod distance;
+mod error_table;
 mod evaluate;
 mod holes;
 pub mod json;
 mod metrics;
+mod moved;
 pub mod pictures;
 mod reference;
 mod render;
@@ -21,17 +27,20 @@ mod surface;
 mod technique;
 pub mod timing;
 
-pub use area::PILOT_SAMPLES;
+pub use area::{CONVERGED_SAMPLES, Samples, SizedCasters, SoftBounds};
+pub use coverage::convex_visible_share;
+pub use error_table::ErrorTable;
 pub use evaluate::{
-    EvaluateError, Evaluation, KnownReferences, evaluate, evaluate_again, mean_of_samples, measured, queries,
+    Converged, EvaluateError, Evaluation, KnownReferences, converged_queries, evaluate, evaluate_again,
+    evaluate_converged, mean_of_samples, measured, queries, queries_with,
 };
 pub use metrics::{
-    BAND_FLOOR_PIXELS, BAND_PIXELS_PER_BOUNDARY_PIXEL, CompareError, ErrorTable, HALF_FLOAT_LOSS, LightError,
+    BAND_FLOOR_PIXELS, BAND_PIXELS_PER_BOUNDARY_PIXEL, CompareError, HALF_FLOAT_LOSS, LightError,
     MAX_DIFFERENT_SHARE, Measured, compare, expect_shadow,
 };
 pub use reference::{CasterSet, Hit, Reference, Tracer};
 pub use render::{
     DEPTH_ULPS, LightQuery, LightReference, PIXEL_MOVE, Progress, ReferenceImage, SupersampledImage,
 };
-pub use shadowgraph_engine::shadow::{LightSize, disc_samples};
+pub use shadowgraph_engine::shadow::{LightSize, disc_samples, light_samples};
 pub use technique::ReferenceShadow;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Rgb, RgbImage, imageops};
 use thiserror::Error;
 
-use super::metrics::{Measured, at, sees_same};
+use super::metrics::{HALF_FLOAT_LOSS, Measured, at, sees_same};
 use super::render::ReferenceImage;
 
 /// Why a picture was not written.
@@ -55,8 +55,33 @@ const FALSE_SHADOW: [u8; 3] = [40, 90, 240];
 const BAND: [u8; 3] = [225, 195, 50];
 const DIFFERENT: [u8; 3] = [128, 128, 128];
 
-/// Writes where `light` is wrong, as PNG: leaks red, false shadows blue, what else is in the ambiguity band yellow,
-/// pixels that show different triangles grey, over the dimmed reference.
+/// How much of its colour an error gets: all for 1, half for a quarter, a sixteenth for 1/256.
+fn strength(difference: f32) -> f32 {
+    difference.abs().min(1.0).sqrt()
+}
+
+/// `from` with so much of `to` in it.
+fn mixed(from: [u8; 3], to: [u8; 3], share: f32) -> [u8; 3] {
+    std::array::from_fn(|i| {
+        (f32::from(from[i]) + (f32::from(to[i]) - f32::from(from[i])) * share).round() as u8
+    })
+}
+
+/// The key to the shades of an error map: differences and their colours over middle grey, from the darkest false shadow to
+/// the brightest leak.
+pub fn error_key() -> Vec<(f32, [u8; 3])> {
+    let grey = [70; 3];
+    let step = |index: i16| {
+        let difference = f32::from(index) / 8.0;
+        (difference, mixed(grey, if index < 0 { FALSE_SHADOW } else { LEAK }, strength(difference)))
+    };
+    (-8..=8).map(step).collect()
+}
+
+/// Writes where `light` is wrong, as PNG: leaks red, false shadows blue, pixels that show different triangles grey, over
+/// the dimmed reference. For a light without size wrong pixels have full colour, what else is in the ambiguity band is yellow,
+/// and smaller differences are shades; for a light with a size all differences are shades, as strong as the root of what
+/// they exceed the bounds by.
 ///
 /// # Errors
 /// [`PictureError`] names the path.
@@ -100,16 +125,26 @@ pub fn error_map_png(
     let color = |pixel: usize| {
         // Of a coloured factor the channel that differs most.
         let channels = at(factor, pixels, pixel).zip(at(&exact.factor, pixels, pixel));
-        let differences = channels.map(|(value, exact)| (value - exact, exact));
-        let (difference, exact_factor) =
+        let differences = channels.map(|(value, factor)| {
+            let [least, largest] = exact.bounds(pixel, factor);
+            let outside = if value > largest { value - largest } else { (value - least).min(0.0) };
+            (value - factor, outside, factor)
+        });
+        let (difference, outside, factor) =
             differences.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).unwrap_or_default();
+        // NaN, where nothing is, becomes black.
+        let dimmed = [(factor * 70.0 + 20.0).max(0.0) as u8; 3];
+        let is_hard = exact.soft.is_none();
         match (exact.compared[pixel], difference) {
             _ if !sees_same(measured.ids[pixel], reference.hits[pixel]) => DIFFERENT,
-            (true, d) if d > 0.5 => LEAK,
-            (true, d) if d < -0.5 => FALSE_SHADOW,
-            (true, _) if exact.ambiguous[pixel] => BAND,
-            // NaN, where nothing is, becomes black.
-            _ => [(exact_factor * 70.0 + 20.0).max(0.0) as u8; 3],
+            (false, _) => dimmed,
+            (true, d) if is_hard && d > 0.5 => LEAK,
+            (true, d) if is_hard && d < -0.5 => FALSE_SHADOW,
+            (true, _) if is_hard && exact.ambiguous[pixel] => BAND,
+            _ if outside.abs() > HALF_FLOAT_LOSS as f32 => {
+                mixed(dimmed, if outside > 0.0 { LEAK } else { FALSE_SHADOW }, strength(outside))
+            }
+            _ => dimmed,
         }
     };
     rgb_png(path, size_px, (0..pixels).flat_map(color).collect())

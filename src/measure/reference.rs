@@ -28,16 +28,24 @@ pub struct Hit {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CasterSet(Vec<bool>);
 
+impl CasterSet {
+    /// Whether the instance of this index casts.
+    #[inline(always)]
+    pub(super) fn contains(&self, instance: u32) -> bool {
+        self.0.get(instance as usize).copied().unwrap_or_default()
+    }
+}
+
 /// The scene as the reference sees it.
 pub struct Reference {
     /// In the order of the tree's leaves.
     pub(super) triangles: Vec<Triangle>,
-    bvh: Bvh,
+    pub(super) bvh: Bvh,
     /// Where each triangle of each instance stands in `triangles`; `u32::MAX` for those that are no surface.
     places: Vec<Vec<u32>>,
     pub(super) lights: Vec<PosedLight>,
     /// The largest coordinate of any surface, in metres.
-    coordinate_m: f64,
+    pub(super) coordinate_m: f64,
 }
 
 impl Reference {
@@ -222,9 +230,8 @@ impl Reference {
     #[inline(always)]
     fn blocked_by(&self, triangle: &Triangle, probe: &Probe<'_>, wanted: u8) -> u8 {
         let hit = Hit { instance: triangle.instance, triangle: triangle.triangle };
-        let may_block = triangle.casts
-            && probe.receiver != Some(hit)
-            && probe.casters.0.get(triangle.instance as usize).copied().unwrap_or_default();
+        let may_block =
+            triangle.casts && probe.receiver != Some(hit) && probe.casters.contains(triangle.instance);
         if !may_block {
             return 0;
         }

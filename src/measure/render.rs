@@ -3,7 +3,8 @@
 //! **Ambiguity band.** A rasteriser knows positions to 1/256 pixel and depth to some ulps of f32. A pixel is ambiguous
 //! for a light when its factor changes under such a move of the receiver point: four moves by [`PIXEL_MOVE`] on the
 //! receiving triangle's plane, two by [`DEPTH_ULPS`] along the ray. The receiving triangle is kept throughout. A move
-//! that leads nowhere (parallel to the plane, behind the eye) makes the pixel ambiguous as well.
+//! that leads nowhere (parallel to the plane, behind the eye) makes the pixel ambiguous as well. What that means for lights
+//! with a size is told in [`super::area`].
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -13,6 +14,9 @@ use shadowgraph_engine::math::Projection;
 use shadowgraph_engine::plan::Antialias;
 use shadowgraph_engine::scene::PosedCamera;
 
+use super::area::{SizedCasters, SizedQuery, SoftBounds, boundary_px};
+use super::disc::DiscTracer;
+use super::moved::{MOVES, Moved};
 use super::reference::{CasterSet, Hit, Probe, Reference, Tracer};
 
 /// How far a pixel centre moves for the ambiguity band: rasterisers snap vertices to this fraction of a pixel.
@@ -30,13 +34,15 @@ pub const DEPTH_ULPS: u32 = 64;
 /// Told (rows done, rows in all) from any thread, in no certain order.
 pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
-/// A light to judge, and what casts for it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A light to judge, and what casts for it. The factors of all parts are multiplied.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightQuery {
     /// The index of the light in `Posed::lights`.
     pub light: usize,
-    /// Indices into `Posed::instances`.
+    /// Indices into `Posed::instances`: what casts as if the light had no size.
     pub casters: Vec<usize>,
+    /// What casts for a light with a size.
+    pub sized: Vec<SizedCasters>,
 }
 
 /// What is seen at every pixel, and every light's factor there.
@@ -51,7 +57,7 @@ pub struct ReferenceImage {
 }
 
 /// One light's part of a [`ReferenceImage`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightReference {
     /// The light's name, as in `Posed::lights`.
     pub name: String,
@@ -61,6 +67,19 @@ pub struct LightReference {
     pub compared: Vec<bool>,
     /// Whether the factor changes under the moves of the ambiguity band.
     pub ambiguous: Vec<bool>,
+    /// By how much, where the light has a size; without one, an ambiguous factor may be anything.
+    pub soft: Option<SoftBounds>,
+}
+
+impl LightReference {
+    /// The least and the largest factor that is right at a pixel, whose factor is `exact` (of one channel).
+    pub(super) fn bounds(&self, pixel: usize, exact: f32) -> [f32; 2] {
+        match (&self.soft, self.ambiguous[pixel]) {
+            (Some(soft), _) => soft.bounds[pixel],
+            (None, true) => [0.0, 1.0],
+            (None, false) => [exact, exact],
+        }
+    }
 }
 
 /// The mean factor over each pixel, edges between surfaces included.
@@ -100,28 +119,46 @@ impl Reference {
         let queries = self.resolve(lights);
         let rows = for_rows(size_px, progress, |y| {
             let mut tracers: Vec<_> = queries.iter().map(|_| self.tracer()).collect();
+            let mut discs: Vec<_> = queries.iter().map(|_| self.disc_tracer()).collect();
             let mut first = self.tracer();
-            let mut hits = Vec::with_capacity(size_px[0] as usize);
-            let mut judged = vec![Vec::with_capacity(size_px[0] as usize); queries.len()];
+            let width = size_px[0] as usize;
+            let mut hits = Vec::with_capacity(width);
+            let mut judged = vec![Vec::with_capacity(width); queries.len()];
+            // Which samples are lit, where that is wanted: a row for each part of each query.
+            let mut lit: Vec<Vec<Vec<u64>>> = queries.iter().map(|query| query.lit_row(width)).collect();
             for x in 0..size_px[0] {
                 let pixel = antialias.sample_place_px([x, y]);
                 let seen = view.first_hit(&mut first, pixel);
                 hits.push(seen.map(|(hit, _)| hit));
                 let moved = seen.and_then(|(hit, t)| Moved::new(self, &view, pixel, hit, t));
-                for ((query, tracer), judged) in queries.iter().zip(&mut tracers).zip(&mut judged) {
-                    judged.push(moved.as_ref().map(|moved| query.judge(tracer, moved)));
+                for (index, query) in queries.iter().enumerate() {
+                    let (tracer, disc) = (&mut tracers[index], &mut discs[index]);
+                    let judge = |moved| query.judge_all(tracer, disc, moved, &mut lit[index], x as usize);
+                    judged[index].push(moved.as_ref().map(judge));
                 }
             }
-            (hits, judged)
+            (hits, judged, lit)
         });
-        let hits = rows.iter().flat_map(|(hits, _)| hits).copied().collect();
+        let hits = rows.iter().flat_map(|(hits, _, _)| hits).copied().collect();
         let lights = queries.iter().enumerate().map(|(index, query)| {
-            let pixels = || rows.iter().flat_map(|(_, judged)| &judged[index]);
+            let pixels = || rows.iter().flat_map(|(_, judged, _)| &judged[index]);
+            let compared: Vec<bool> = pixels().map(|p| p.is_some_and(|p| p.compared)).collect();
+            let soft = (!query.sized.is_empty()).then(|| {
+                let part = |part: usize| -> Vec<u64> {
+                    rows.iter().flat_map(|(_, _, lit)| &lit[index][part]).copied().collect()
+                };
+                SoftBounds {
+                    same_samples: query.same_samples(),
+                    bounds: pixels().map(|p| p.map_or([0.0, 1.0], |p| p.bounds)).collect(),
+                    boundary_px: query.boundary_px(part, &compared, size_px[0] as usize),
+                }
+            });
             LightReference {
                 name: self.lights[query.light].name.clone(),
                 factor: pixels().map(|p| p.map_or(f32::NAN, |p| p.factor)).collect(),
-                compared: pixels().map(|p| p.is_some_and(|p| p.compared)).collect(),
+                compared,
                 ambiguous: pixels().map(|p| p.is_some_and(|p| p.ambiguous)).collect(),
+                soft,
             }
         });
         ReferenceImage { size_px, hits, lights: lights.collect() }
@@ -141,7 +178,7 @@ impl Reference {
         let n = n.max(1);
         let rows = for_rows(size_px, progress, |y| {
             let mut tracers: Vec<_> = queries.iter().map(|_| self.tracer()).collect();
-            let mut first = self.tracer();
+            let (mut first, mut disc) = (self.tracer(), self.disc_tracer());
             let mut means = vec![Vec::with_capacity(size_px[0] as usize); queries.len()];
             for x in 0..size_px[0] {
                 let mut sums = vec![0.0; queries.len()];
@@ -154,6 +191,11 @@ impl Reference {
                     count += 1;
                     for ((query, tracer), sum) in queries.iter().zip(&mut tracers).zip(&mut sums) {
                         let light = &self.lights[query.light];
+                        if !query.sized.is_empty() {
+                            let Some(moved) = Moved::new(self, &view, pixel, hit, t) else { continue };
+                            *sum += query.judge_all(tracer, &mut disc, &moved, &mut [], 0).factor;
+                            continue;
+                        }
                         *sum += if light.reaches(point) {
                             tracer.visibility_at(point, hit, view.eye, light.position, &query.casters)
                         } else {
@@ -178,7 +220,19 @@ impl Reference {
         lights
             .iter()
             .filter(|query| query.light < self.lights.len())
-            .map(|query| Query { light: query.light, casters: self.caster_set(&query.casters) })
+            .map(|query| {
+                let position = self.lights[query.light].position;
+                let (sized, points): (Vec<_>, Vec<_>) =
+                    query.sized.iter().partition(|part| part.size.is_wide(position));
+                let points = points.into_iter().flat_map(|part| &part.casters).chain(&query.casters);
+                let casters: Vec<usize> = points.copied().collect();
+                Query {
+                    light: query.light,
+                    is_hard: sized.is_empty() || !casters.is_empty(),
+                    casters: self.caster_set(&casters),
+                    sized: sized.into_iter().map(|part| SizedQuery::new(self, part)).collect(),
+                }
+            })
             .collect()
     }
 }
@@ -204,7 +258,7 @@ pub(super) fn for_rows<T: Send>(
 pub(super) struct View<'a> {
     camera: &'a PosedCamera,
     size_px: [f64; 2],
-    eye: DVec4,
+    pub(super) eye: DVec4,
 }
 
 impl<'a> View<'a> {
@@ -214,7 +268,7 @@ impl<'a> View<'a> {
 
     /// The ray through a place of the target, in pixels from its top left corner; its parameter is the distance from
     /// the eye along the axis of view.
-    fn ray(&self, [x, y]: [f64; 2]) -> (DVec3, DVec3) {
+    pub(super) fn ray(&self, [x, y]: [f64; 2]) -> (DVec3, DVec3) {
         let [width, height] = self.size_px;
         let (ndc_x, ndc_y) = (2.0 * x / width - 1.0, 1.0 - 2.0 * y / height);
         let (origin, direction) = self.camera.projection.view_ray(ndc_x, ndc_y, width / height);
@@ -235,7 +289,7 @@ impl<'a> View<'a> {
     }
 
     /// The distance at which the depth is `ulps` ulps away from that at distance `t`.
-    fn distance_moved(&self, t: f64, ulps: f64) -> f64 {
+    pub(super) fn distance_moved(&self, t: f64, ulps: f64) -> f64 {
         match self.camera.projection {
             Projection::Perspective { near_m, .. } => {
                 let depth = (near_m / t) as f32;
@@ -250,58 +304,12 @@ impl<'a> View<'a> {
     }
 }
 
-/// The centre, four moves on the plane, two in depth.
-pub(super) const MOVES: usize = 7;
-
-/// A receiver point and its moved copies.
-pub(super) struct Moved {
-    pub(super) hit: Hit,
-    /// The last two are those moved in depth.
-    pub(super) points: [DVec3; MOVES],
-    /// Some move led nowhere; its point is then the centre's.
-    pub(super) lost: bool,
-    pub(super) receives: bool,
-    /// The side on which the eye is.
-    pub(super) eye_side: i32,
-}
-
-impl Moved {
-    pub(super) fn new(
-        reference: &Reference,
-        view: &View<'_>,
-        [x, y]: [f64; 2],
-        hit: Hit,
-        t: f64,
-    ) -> Option<Self> {
-        let surface = reference.surface(hit)?;
-        let (from, direction) = view.ray([x, y]);
-        let center = surface.onto_plane(from + direction * t);
-        let mut points = [center; MOVES];
-        let mut lost = false;
-        let moves = [[-PIXEL_MOVE, 0.0], [PIXEL_MOVE, 0.0], [0.0, -PIXEL_MOVE], [0.0, PIXEL_MOVE]];
-        for (point, [dx, dy]) in points[1..5].iter_mut().zip(moves) {
-            let (from, direction) = view.ray([x + dx, y + dy]);
-            match surface.plane_parameter(from, direction).filter(|t| *t > 0.0) {
-                Some(t) => *point = surface.onto_plane(from + direction * t),
-                None => lost = true,
-            }
-        }
-        for (point, sign) in points[5..].iter_mut().zip([-1.0, 1.0]) {
-            let t = view.distance_moved(t, sign * f64::from(DEPTH_ULPS));
-            if t.is_finite() && t > 0.0 {
-                *point = from + direction * t;
-            } else {
-                lost = true;
-            }
-        }
-        let eye_side = surface.facing(view.eye);
-        Some(Self { hit, points, lost, receives: surface.receives, eye_side })
-    }
-}
-
 pub(super) struct Query {
     pub(super) light: usize,
+    /// Whether anything casts as if the light had no size, or nothing casts at all.
+    is_hard: bool,
     pub(super) casters: CasterSet,
+    sized: Vec<SizedQuery>,
 }
 
 /// What a query says about a pixel.
@@ -310,6 +318,61 @@ pub(super) struct Judged {
     pub(super) factor: f32,
     pub(super) compared: bool,
     pub(super) ambiguous: bool,
+    /// The least and the largest factor that is right.
+    pub(super) bounds: [f32; 2],
+}
+
+impl Query {
+    /// All parts' factors, multiplied; `lit` is what [`Query::lit_row`] gave, or empty.
+    fn judge_all(
+        &self,
+        tracer: &mut Tracer<'_>,
+        disc: &mut DiscTracer<'_>,
+        moved: &Moved,
+        lit: &mut [Vec<u64>],
+        x: usize,
+    ) -> Judged {
+        let hard = self.is_hard.then(|| self.judge(tracer, moved));
+        if let (Some(hard), Some(row)) = (hard, lit.get_mut(self.sized.len())) {
+            row[x] = u64::from(hard.factor > 0.0);
+        }
+        let parts = self.sized.iter().enumerate().map(|(index, part)| {
+            let words = part.words();
+            let row = lit.get_mut(index).map_or(&mut [][..], |row| &mut row[x * words..(x + 1) * words]);
+            part.judge(disc, self.light, moved, row)
+        });
+        let whole = hard.into_iter().chain(parts).reduce(|a, b| Judged {
+            factor: a.factor * b.factor,
+            compared: a.compared && b.compared,
+            ambiguous: a.ambiguous || b.ambiguous,
+            bounds: [a.bounds[0] * b.bounds[0], a.bounds[1] * b.bounds[1]],
+        });
+        whole.unwrap_or(Judged { factor: 1.0, compared: false, ambiguous: false, bounds: [1.0; 2] })
+    }
+
+    /// How many of `light_samples` all sized parts take, if all do: the most of them.
+    fn same_samples(&self) -> Option<u32> {
+        self.sized
+            .iter()
+            .map(|part| part.same_samples)
+            .reduce(|a, b| a.zip(b).map(|(a, b)| a.max(b)))
+            .flatten()
+    }
+
+    /// For each sized part, and for what casts as if the light had no size, a row of lit samples; none for a light that
+    /// has none, or where some samples stand for the whole light.
+    fn lit_row(&self, width: usize) -> Vec<Vec<u64>> {
+        let hard = (self.is_hard && !self.sized.is_empty()).then_some(width);
+        let parts = self.sized.iter().map(|part| part.words() * width);
+        parts.chain(hard).map(|words| vec![u64::MAX; words]).collect()
+    }
+
+    /// The boundary pixels of all parts' samples, given each part's lit samples.
+    fn boundary_px(&self, lit: impl Fn(usize) -> Vec<u64>, compared: &[bool], width: usize) -> f64 {
+        let parts = self.sized.iter().map(|part| (part.words(), part.samples.len()));
+        let parts = parts.chain(self.is_hard.then_some((1, 1))).enumerate();
+        parts.map(|(index, (words, samples))| boundary_px(&lit(index), words, samples, compared, width)).sum()
+    }
 }
 
 impl Query {
@@ -323,9 +386,10 @@ impl Query {
         let reached =
             (0..MOVES).filter(|i| light.reaches(moved.points[*i])).fold(0_u8, |bits, i| bits | 1 << i);
         if !moved.receives || reached == 0 {
-            return Judged { factor: 1.0, compared, ambiguous: false };
+            return Judged { factor: 1.0, compared, ambiguous: false, bounds: [1.0; 2] };
         }
-        let turned_away = facing * moved.eye_side < 0;
+        // The horizon is decided once: for a light with a size, sample by sample.
+        let turned_away = facing * moved.eye_side < 0 && self.sized.is_empty();
         let dark = if turned_away {
             reached
         } else {
@@ -340,10 +404,8 @@ impl Query {
         };
         // Every move agrees when all are dark or none is. A surface turned away stays so wherever the point moves.
         let all = (1_u8 << MOVES) - 1;
-        Judged {
-            factor: if dark & 1 == 0 { 1.0 } else { 0.0 },
-            compared,
-            ambiguous: (dark != 0 && dark != all) || (moved.lost && !turned_away),
-        }
+        let factor = if dark & 1 == 0 { 1.0 } else { 0.0 };
+        let ambiguous = (dark != 0 && dark != all) || (moved.lost && !turned_away);
+        Judged { factor, compared, ambiguous, bounds: if ambiguous { [0.0, 1.0] } else { [factor; 2] } }
     }
 }

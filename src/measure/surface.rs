@@ -102,7 +102,7 @@ impl Triangle {
     }
 
     /// The normal, as long as twice the area.
-    fn normal(&self) -> DVec3 {
+    pub(super) fn normal(&self) -> DVec3 {
         let [a, b, c] = self.corners;
         (b - a).cross(c - a)
     }
@@ -122,10 +122,27 @@ impl Triangle {
         let [a, b, c] = self.corners;
         let (ab, ac, d) = (b - a, c - a, point - a);
         let sign = orient_sign(ab, ac, d);
-        let normal = ab.cross(ac);
+        if ab.cross(ac).dot(d).abs() <= self.side_tolerance(point, coordinate_m) { 0 } else { sign }
+    }
+
+    /// The determinant of two edges and the way to `point` up to which its side is open: see [`Triangle::side_of`].
+    pub(super) fn side_tolerance(&self, point: DVec3, coordinate_m: f64) -> f64 {
+        let [a, b, c] = self.corners;
+        let (ab, ac, d) = (b - a, c - a, point - a);
         let coordinate_m = coordinate_m.max(point.abs().max_element());
-        let reach = (ab.length() + ac.length()) * d.length() + normal.length();
-        if normal.dot(d).abs() <= POSITION_EPSILON * coordinate_m * reach { 0 } else { sign }
+        let reach = (ab.length() + ac.length()) * d.length() + ab.cross(ac).length();
+        POSITION_EPSILON * coordinate_m * reach
+    }
+
+    /// The product of two edges' lengths: what the normal's components are differences of.
+    pub(super) fn edges_product(&self) -> f64 {
+        let [a, b, c] = self.corners;
+        (b - a).length() * (c - a).length()
+    }
+
+    /// Whether it may have holes.
+    pub(super) fn is_masked(&self) -> bool {
+        self.mask.is_some()
     }
 
     /// Whether it stands strictly between `point` and `light` (a point or a direction towards it).

@@ -8,16 +8,30 @@ use std::sync::Arc;
 use shadowgraph_engine::plan::{
     Binding, BufferUsage, CompareFunction, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader,
 };
-use shadowgraph_engine::scene::{Instance, Params};
+use shadowgraph_engine::scene::{Instance, ParamValue, Params};
 use shadowgraph_engine::shadow::{
-    Channels, LightPlan, OptionReader, ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
+    Channels, LightPlan, LightSize, MAX_LIGHT_SAMPLES, OptionReader, ShadowError, ShadowTechnique,
+    TechniqueEntry, hash_of,
 };
 
-use super::{LightQuery, Reference};
+use super::{LightQuery, Reference, Samples, SizedCasters};
 
-/// Exact hard shadows, traced on the CPU for every pixel: seconds for a frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ReferenceShadow;
+/// Exact shadows, traced on the CPU for every pixel: seconds for a frame.
+///
+/// A light is as large as `radius` (metres, point and spot lights) and `angle` (half-angle in degrees, directional
+/// lights) say; then its factor is the visible share of `samples` of [`light_samples`](super::light_samples).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReferenceShadow {
+    radius_m: f64,
+    angle_deg: f64,
+    samples: u32,
+}
+
+impl Default for ReferenceShadow {
+    fn default() -> Self {
+        Self { radius_m: 0.0, angle_deg: 0.0, samples: 64 }
+    }
+}
 
 const TYPE_NAME: &str = "Reference";
 
@@ -26,10 +40,21 @@ impl ReferenceShadow {
     pub const ENTRY: TechniqueEntry = TechniqueEntry {
         type_name: TYPE_NAME,
         short_name: "reference",
-        summary: "exact hard shadows, traced on the CPU",
+        summary: "exact shadows, hard or of a light with a size, traced on the CPU",
         from_params: |params| {
-            OptionReader::new(TYPE_NAME, params).finish()?;
-            Ok(Arc::new(Self))
+            let mut options = OptionReader::new(TYPE_NAME, params);
+            let default = Self::default();
+            let most = f64::from(MAX_LIGHT_SAMPLES);
+            let technique = Self {
+                radius_m: options.number("radius", default.radius_m, 0.0, 1e9)?,
+                angle_deg: options.number("angle", default.angle_deg, 0.0, 89.0)?,
+                samples: options.number("samples", f64::from(default.samples), 1.0, most)? as u32,
+            };
+            if matches!(params.get("samples"), Some(ParamValue::Number(count)) if count.fract() != 0.0) {
+                return Err(options.conflict("samples", &format!("a whole number from 1 to {most}")));
+            }
+            options.finish()?;
+            Ok(Arc::new(technique))
         },
         settings: &[],
     };
@@ -41,7 +66,19 @@ impl ShadowTechnique for ReferenceShadow {
     }
 
     fn params(&self) -> Params {
-        Params::new()
+        Params::from([
+            ("radius".into(), ParamValue::Number(self.radius_m)),
+            ("angle".into(), ParamValue::Number(self.angle_deg)),
+            ("samples".into(), ParamValue::Number(self.samples.into())),
+        ])
+    }
+
+    fn light_size(&self) -> LightSize {
+        LightSize { radius_m: self.radius_m, half_angle_rad: self.angle_deg.to_radians() }
+    }
+
+    fn light_sample_count(&self) -> Option<u32> {
+        Some(self.samples)
     }
 
     fn known_error(&self) -> &'static str {
@@ -67,9 +104,14 @@ impl ShadowTechnique for ReferenceShadow {
             })
             .collect();
         let seen_from = (format!("{:?}", view.camera), format!("{:?}", light.light()), view.size_px);
-        let key = hash_of(("reference", poses, worn, &casters, seen_from));
+        let key = hash_of(("reference", poses, worn, &casters, seen_from, format!("{self:?}")));
         let factors = light.cache.get_or_compute("reference factors", key, || {
-            let query = LightQuery { light: index, casters };
+            let (size, samples) = (self.light_size(), Samples::Same(self.samples));
+            let query = LightQuery {
+                light: index,
+                sized: vec![SizedCasters { casters, size, samples }],
+                ..LightQuery::default()
+            };
             let image = Reference::new(posed).render(&view.camera, view.size_px, &[query], &|_, _| {});
             let factor = image.lights.into_iter().next().map(|light| light.factor).unwrap_or_default();
             bytemuck::cast_slice(&factor).to_vec()
@@ -77,6 +119,10 @@ impl ShadowTechnique for ReferenceShadow {
         let reason = "traced on the CPU";
         let slot = light.buffer(&format!("reference of {name}"), BufferUsage::Storage, key, factors, reason);
         let target = light.multiply_visibility(Channels::One);
+        if self.light_size().is_wide(light.light().position) {
+            // Samples on the other side of the surface than the eye are dark; those of a point are the engine's business.
+            light.decides_own_shadow();
+        }
         let text = include_str!("technique.wgsl");
         let source = shadowgraph_shaders::compose(TYPE_NAME, text, &[])
             .map_err(|error| light.unsupported(error.to_string()))?;

@@ -7,7 +7,8 @@
 /// What is owed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Tolerance {
-    /// 0 wrong pixels outside the ambiguity band, in every channel.
+    /// 0 wrong pixels outside the ambiguity band, in every channel. For a light with a size the technique says how many
+    /// samples it takes; then no pixel at all may be outside of what its ambiguous samples allow.
     Exact,
     /// The same, or a typed error: the setting forces what only some views and casters allow.
     ExactWhereAccepted,
@@ -26,6 +27,10 @@ pub(crate) struct Bound {
     pub(crate) false_share: f64,
     /// Root of the mean squared difference over the frame.
     pub(crate) rmse: f64,
+    /// Root of the mean squared difference over the penumbra, where the whole light's factor is neither 0 nor 1.
+    pub(crate) penumbra_rmse: f64,
+    /// The largest difference at any pixel.
+    pub(crate) max: f64,
     /// Why it cannot be exact.
     pub(crate) why: &'static str,
 }
@@ -68,7 +73,7 @@ const HARD: &str = "ShadowVolumeHard";
 const fn lids(false_share: f64) -> Tolerance {
     // Factors are 0 or 1: the shares say it all.
     let why = "lids shadow what lies behind an opening, and what lies inside it";
-    Tolerance::Within(Bound { leak_share: 0.0, false_share, rmse: 1.0, why })
+    Tolerance::Within(Bound { leak_share: 0.0, false_share, rmse: 1.0, penumbra_rmse: 1.0, max: 1.0, why })
 }
 
 /// The built-in techniques.

@@ -5,7 +5,7 @@ use shadowgraph_engine::scene::{ParamValue, Params};
 use super::data::{Measurement, Outcome, Point, Report, SceneReport};
 
 /// The columns, in order. Units are in their names; error columns are those of all lights together.
-pub(super) const COLUMNS: [&str; 44] = [
+pub(super) const COLUMNS: [&str; 51] = [
     "scene",
     "technique",
     "setting",
@@ -50,6 +50,13 @@ pub(super) const COLUMNS: [&str; 44] = [
     "boundary_distance_mean_px",
     "boundary_distance_max_px",
     "exact",
+    "judged_width_px",
+    "judged_height_px",
+    "leak_mean",
+    "false_mean",
+    "outside_bounds_px",
+    "same_samples",
+    "outside_samples_px",
 ];
 
 pub(super) fn table(report: &Report) -> String {
@@ -130,6 +137,12 @@ fn measured_cells(measurement: &Measurement) -> Vec<String> {
     ];
     cells.extend(values.map(number));
     cells.push(totals.is_exact.to_string());
+    cells.extend(measurement.judged_size_px.map(|side| side.to_string()));
+    cells.extend([totals.leak_mean, totals.false_mean].map(number));
+    cells.push(totals.outside_bounds.to_string());
+    if let Some((count, outside)) = measurement.same_samples {
+        cells.extend([count.to_string(), outside.to_string()]);
+    }
     cells
 }
 

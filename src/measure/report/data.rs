@@ -170,8 +170,12 @@ pub struct Measurement {
     pub gpu_bytes: u64,
     /// Bytes of the plan's own slots.
     pub plan_bytes: u64,
-    /// All lights together.
+    /// The size of the frame that was judged: smaller than that which was timed where lights have a size.
+    pub judged_size_px: [u32; 2],
+    /// All lights together, beside the whole light where it has a size.
     pub totals: Totals,
+    /// Where a technique takes samples of a light: how many, and the pixels whose factor is not what exactly these samples give.
+    pub same_samples: Option<(u32, usize)>,
     /// Each light's techniques and errors.
     pub lights: Vec<(String, LightError)>,
     /// The plan as text.
@@ -255,6 +259,8 @@ pub struct SweepReport {
     pub what_breaks: &'static str,
     /// Where f32 must lose, and why.
     pub f32_loses: &'static str,
+    /// The option of techniques that is swept, where it is one.
+    pub option: Option<&'static str>,
     /// For each technique and setting its steps.
     pub techniques: Vec<(String, Vec<SweepStep>)>,
 }

@@ -37,6 +37,10 @@ pub struct Effort {
     pub parts: Parts,
     /// The size of the scenes' frames.
     pub size_px: [u32; 2],
+    /// The size of the frames at which techniques that give lights a size are judged on scenes, unless frames are smaller.
+    pub soft_size_px: [u32; 2],
+    /// How many samples stand for a whole light there, and in sweeps.
+    pub whole_light_samples: [u32; 2],
     /// How long each scene's settings take turns.
     pub scene_pace: Pace,
     /// Frames with every pass apart.
@@ -65,6 +69,8 @@ impl Effort {
         name: "quick",
         parts: ALL_PARTS,
         size_px: [400, 225],
+        soft_size_px: [240, 135],
+        whole_light_samples: [1024, 256],
         scene_pace: pace(3, 15, 1_000),
         pass_frames: 2,
         axis_size_px: [320, 180],
@@ -84,6 +90,8 @@ impl Effort {
         name: "default",
         parts: ALL_PARTS,
         size_px: [1280, 720],
+        soft_size_px: [320, 180],
+        whole_light_samples: [4096, 1024],
         scene_pace: pace(9, 31, 15_000),
         pass_frames: 7,
         axis_size_px: [640, 360],
@@ -103,6 +111,8 @@ impl Effort {
         name: "full",
         parts: ALL_PARTS,
         size_px: [1280, 720],
+        soft_size_px: [640, 360],
+        whole_light_samples: [4096, 4096],
         scene_pace: pace(15, 101, 60_000),
         pass_frames: 15,
         axis_size_px: [1280, 720],

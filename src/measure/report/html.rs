@@ -140,6 +140,12 @@ depth, where rasterisation is no excuse. “Exact” is zero there, not a small 
 pixels too.</dd>\
 <dt>Leak, false</dt><dd>Lit where it should be dark; dark where it should be lit. In error maps leaks are red, false shadows \
 blue, the band yellow.</dd>\
+<dt>Lights with a size</dt><dd>Each technique is compared with the light that it takes to be there: a point, or a disc of \
+its own radius. The factor is then the visible share of the disc, and the exact one that of thousands of samples, at a smaller \
+frame size, which is said where it is. The plots take what is beyond the factors that a pixel’s ambiguous samples allow. \
+<em>Penumbra RMSE</em> is over the pixels where the share is neither 0 nor 1; in error maps shades go with the root of the error. A technique that takes \
+so many samples of the light is also compared with exactly these: <em>off its samples</em> counts the pixels that are not what they give, \
+and ought to be 0.</dd>\
 <dt>None, reference</dt><dd>The ends of the axis: no shadows at all, and the ray tracer itself on the processor.</dd></dl>\
 <p class=\"soft\">Times of a software adapter say nothing about graphics cards; the ratios say more, but not all.</p></section>"
     ));
@@ -298,6 +304,19 @@ fn sweeps(page: &mut Page, report: &Report) {
         );
     }
     page.put(format_args!("</div>"));
+    for sweep in &report.sweeps {
+        if let Some(svg) = plots::qualities(sweep) {
+            page.plot(
+                "lines",
+                &svg,
+                &format!("Error in penumbrae against {}", sweep.parameter),
+                &format!(
+                    "<strong>{}</strong>: every quality’s error beside the whole light, over the penumbra’s pixels.",
+                    escaped(sweep.id)
+                ),
+            );
+        }
+    }
     let mut rows = Vec::new();
     for sweep in &report.sweeps {
         for (name, steps) in &sweep.techniques {

@@ -1,5 +1,6 @@
 //! A scene's part of the page: its plane, its table, its pictures, the plan behind each point.
 
+use super::super::pictures::error_key;
 use super::csv::params_text;
 use super::data::{Measurement, Outcome, Point, Report, SceneReport};
 use super::html::{Cell, Page, mebibytes, percent};
@@ -72,6 +73,7 @@ fn points_table(page: &mut Page, scene: &SceneReport) {
         "max",
         "distance, px",
         "penumbra RMSE",
+        "off its samples",
     ];
     page.table(
         "Pixels summed over lights; distance of wrong pixels from the nearest shadow boundary: mean, largest",
@@ -118,6 +120,10 @@ fn measured_row(point: &Point, measurement: &Measurement) -> Vec<Cell> {
         Cell::of(totals.max),
         Cell::Number(distance),
         Cell::Number(if has_penumbra { number(totals.penumbra_rmse) } else { "–".into() }),
+        match measurement.same_samples {
+            Some((_, outside)) => Cell::ought_be_zero(outside),
+            None => Cell::Number("–".into()),
+        },
     ]
 }
 
@@ -128,7 +134,7 @@ fn length(px: f64) -> String {
 
 fn blank_row(point: &Point, what: &str) -> Vec<Cell> {
     let mut row = vec![Cell::Text(point.label()), Cell::Number(what.into())];
-    row.extend((0..16).map(|_| Cell::Number("–".into())));
+    row.extend((0..17).map(|_| Cell::Number("–".into())));
     row
 }
 
@@ -153,7 +159,10 @@ fn pictures(page: &mut Page, scene: &SceneReport) {
                 page,
                 map,
                 &format!("{labels}: errors for light {light}"),
-                &format!("where it is wrong, light <em>{light}</em>: leak red, false blue, band yellow"),
+                &format!(
+                    "where it is wrong, light <em>{light}</em>: leak red, false blue, {}",
+                    map_key(measurement)
+                ),
             );
             picture(
                 page,
@@ -164,6 +173,21 @@ fn pictures(page: &mut Page, scene: &SceneReport) {
         }
         page.put(format_args!("</div>"));
     }
+}
+
+/// What an error map shows beside leaks and false shadows: the band, or shades with their key.
+fn map_key(measurement: &Measurement) -> String {
+    if !measurement.lights.iter().any(|(_, error)| error.is_converged) {
+        return "band yellow".into();
+    }
+    let stops: Vec<String> =
+        error_key().iter().map(|(_, [red, green, blue])| format!("rgb({red},{green},{blue})")).collect();
+    let [width, height] = measurement.judged_size_px;
+    format!(
+        "the more the stronger: <span style=\"white-space:nowrap\">−1 <span style=\"display:inline-block;width:8em;height:0.8em;\
+         background:linear-gradient(to right,{})\"></span> +1</span>; judged at {width}×{height} pixels",
+        stops.join(",")
+    )
 }
 
 fn picture(page: &mut Page, path: &str, alt: &str, caption: &str) {

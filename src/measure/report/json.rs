@@ -115,7 +115,11 @@ fn measurement_json(measurement: &Measurement, rounds: usize) -> Value {
         "passes": passes,
         "gpu_bytes": measurement.gpu_bytes,
         "plan_bytes": measurement.plan_bytes,
+        "judged_size_px": measurement.judged_size_px,
         "error": totals_json(&measurement.totals),
+        "same_samples": measurement.same_samples.map(|(count, outside)| {
+            json!({ "count": count, "outside": outside })
+        }),
         "lights": lights,
         "picture": measurement.picture,
         "worst_light": light,
@@ -149,6 +153,9 @@ fn totals_json(totals: &Totals) -> Value {
         "leak_outside_band": totals.leak_outside_band,
         "false_outside_band": totals.false_outside_band,
         "rmse": totals.rmse,
+        "leak_mean": totals.leak_mean,
+        "false_mean": totals.false_mean,
+        "outside_bounds": totals.outside_bounds,
         "rmse_outside_band": totals.rmse_outside_band,
         "penumbra_pixels": totals.penumbra_pixels,
         "penumbra_rmse": totals.penumbra_rmse,

@@ -1,6 +1,6 @@
 //! The plots of the report.
 
-use super::data::{AxisReport, AxisStep, Report, SceneReport, SweepReport};
+use super::data::{AxisReport, AxisStep, Report, SceneReport, SweepReport, SweepStep};
 use super::fit::fit;
 use super::pareto::front;
 use super::plot::{AxisOf, Layout, Mark, Plot};
@@ -25,6 +25,10 @@ pub(super) fn standalone(report: &Report) -> Vec<(String, String)> {
     }
     for sweep in &report.sweeps {
         put(format!("sweep-{}.svg", sweep.id), &format!("Error against {}", sweep.parameter), &error(sweep));
+        if let Some(svg) = qualities(sweep) {
+            let title = format!("Error in penumbrae against {}", sweep.parameter);
+            put(format!("quality-{}.svg", sweep.id), &title, &svg);
+        }
     }
     plots
 }
@@ -239,6 +243,58 @@ pub(super) fn cost(axis: &AxisReport) -> Svg {
         }
     }
     plot.finish()
+}
+
+/// The penumbra's error of every quality setting against an option of theirs; `None` where no option is swept or nothing
+/// has a penumbra.
+pub(super) fn qualities(sweep: &SweepReport) -> Option<Svg> {
+    sweep.option?;
+    let with_penumbra = |(index, (name, steps)): (usize, &(String, Vec<SweepStep>))| {
+        let points: Vec<[f64; 2]> = steps
+            .iter()
+            .filter_map(|step| Some((step.value, step.outcome.measured()?)))
+            .filter(|(_, totals)| totals.penumbra_pixels > 0)
+            .map(|(value, totals)| [value, totals.penumbra_rmse])
+            .collect();
+        (!points.is_empty()).then(|| (index, name.clone(), points))
+    };
+    let lines: Vec<_> = sweep.techniques.iter().enumerate().filter_map(with_penumbra).collect();
+    if lines.is_empty() {
+        return None;
+    }
+    let all = || lines.iter().flat_map(|(_, _, points)| points);
+    let x = AxisOf {
+        title: sweep.unit,
+        values: all().map(|[value, _]| *value).collect(),
+        is_log: sweep.is_log,
+        least: 10.0,
+    };
+    let y = AxisOf {
+        title: "penumbra RMSE",
+        values: all().map(|[_, error]| *error).chain([1e-3, 1.0]).collect(),
+        is_log: true,
+        least: 1.0,
+    };
+    let mut plot = Plot::new(Layout::LINES, &x, &y, Some("0"));
+    for (index, name, points) in &lines {
+        plot.line(&format!("line {}", Mark::color(Some(*index))), points);
+        for [value, error] in points {
+            plot.mark(&Mark {
+                at: [*value, *error],
+                x_spread: None,
+                y_spread: None,
+                class: "",
+                shape: *index,
+                series: Some(*index),
+                title: format!("{name} at {}: RMSE {} in the penumbra", number(*value), number(*error)),
+                label: String::new(),
+            });
+        }
+        if let Some(last) = points.last() {
+            plot.label(*last, Some(*index), name);
+        }
+    }
+    Some(plot.finish())
 }
 
 /// Error against one parameter: filled outside the band, hollow over all pixels.

@@ -15,7 +15,7 @@ use shadowgraph_engine::manager::FrameRequest;
 use shadowgraph_engine::scene::Posed;
 
 use super::super::reference::Hit;
-use super::super::{LightQuery, LightReference, Progress, Reference, ReferenceImage};
+use super::super::{LightQuery, LightReference, Progress, Reference, ReferenceImage, SoftBounds};
 
 /// The reference with what it took.
 #[derive(Debug, PartialEq)]
@@ -99,10 +99,14 @@ fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 }
 
 /// The texts that say what a reference is.
-const SOURCES: [&str; 7] = [
+const SOURCES: [&str; 11] = [
+    include_str!("../../../engine/src/shadow/area_light.rs"),
+    include_str!("../../../engine/src/shadow/light_samples.rs"),
     include_str!("../area.rs"),
     include_str!("../bvh.rs"),
+    include_str!("../disc.rs"),
     include_str!("../holes.rs"),
+    include_str!("../moved.rs"),
     include_str!("../reference.rs"),
     include_str!("../render.rs"),
     include_str!("../surface.rs"),
@@ -165,6 +169,12 @@ fn encode(traced: &Traced, key: u64) -> Vec<u8> {
         light.factor.iter().for_each(|factor| bytes.extend(factor.to_le_bytes()));
         let flags = light.compared.iter().zip(&light.ambiguous);
         bytes.extend(flags.map(|(compared, ambiguous)| u8::from(*compared) | u8::from(*ambiguous) << 1));
+        bytes.push(u8::from(light.soft.is_some()));
+        if let Some(soft) = &light.soft {
+            bytes.extend(soft.same_samples.unwrap_or(0).to_le_bytes());
+            bytes.extend(soft.boundary_px.to_le_bytes());
+            soft.bounds.as_flattened().iter().for_each(|bound| bytes.extend(bound.to_le_bytes()));
+        }
     }
     let sum = checksum(&bytes);
     bytes.extend(sum);
@@ -216,7 +226,19 @@ fn decode(bytes: &[u8], key: u64) -> Option<Traced> {
         let factor = numbers(reader.take(values.checked_mul(4)?)?).into_iter().map(f32::from_bits).collect();
         let flags = reader.take(pixels)?;
         let flag = |bit: u8| flags.iter().map(|flags| flags >> bit & 1 == 1).collect();
-        lights.push(LightReference { name, factor, compared: flag(0), ambiguous: flag(1) });
+        let (compared, ambiguous) = (flag(0), flag(1));
+        let soft = match reader.bytes::<1>()? {
+            [0] => None,
+            _ => {
+                let same_samples = Some(reader.number()?).filter(|count| *count > 0);
+                let boundary_px = f64::from_le_bytes(reader.bytes()?);
+                let bounds = numbers(reader.take(pixels.checked_mul(8)?)?);
+                let bounds =
+                    bounds.chunks_exact(2).map(|pair| [f32::from_bits(pair[0]), f32::from_bits(pair[1])]);
+                Some(SoftBounds { same_samples, bounds: bounds.collect(), boundary_px })
+            }
+        };
+        lights.push(LightReference { name, factor, compared, ambiguous, soft });
     }
     let image = ReferenceImage { size_px, hits, lights };
     reader.0.is_empty().then_some(Traced { image, trace_ms })
@@ -232,6 +254,11 @@ mod tests {
             factor: vec![0.25, 1.0],
             compared: vec![true, false],
             ambiguous: vec![false, true],
+            soft: Some(SoftBounds {
+                same_samples: Some(16),
+                bounds: vec![[0.25, 0.5], [1.0, 1.0]],
+                boundary_px: 0.5,
+            }),
         };
         let hits = vec![Some(Hit { instance: 3, triangle: 70_000 }), None];
         Traced { image: ReferenceImage { size_px: [2, 1], hits, lights: vec![light] }, trace_ms: 12.5 }

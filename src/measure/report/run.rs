@@ -6,7 +6,7 @@ use shadowgraph_engine::scene::Scene;
 use shadowgraph_engine::shadow::{Catalog, Setting, ShadowError, TechniqueEntry};
 
 use super::super::timing::{Runner, Spread, take_turns};
-use super::super::{EvaluateError, KnownReferences, evaluate_again};
+use super::super::{EvaluateError, KnownReferences, evaluate_again, evaluate_converged};
 use super::axes::{self, Axis, AxisScene};
 use super::data::{AxisReport, AxisStep, Report, ReportScene, StepOutcome, SweepReport, SweepStep, label};
 use super::effort::Effort;
@@ -67,6 +67,16 @@ impl Bench<'_> {
         settings.retain(|(_, setting)| self.effort.all_settings || setting.name == Setting::DEFAULT.name);
         settings
     }
+
+    /// Those that `sweep` tries: every quality of a technique whose own option it sweeps.
+    fn settings_for(&self, sweep: &Sweep) -> Vec<(TechniqueEntry, Setting)> {
+        let mut settings = self.settings();
+        settings.retain(|(entry, setting)| {
+            let every = self.effort.all_settings || (sweep.option.is_some() && sweep.concerns(entry));
+            every || setting.name == Setting::DEFAULT.name
+        });
+        settings
+    }
 }
 
 /// Measures `scenes`, and what else `effort` asks for, with every technique of `catalog`.
@@ -84,7 +94,7 @@ pub fn run(
     let scenes = if effort.parts.scenes { scenes } else { &[] };
     let all = scenes.len() * scene::steps(&bench)
         + axes.iter().map(|axis| axis.steps.len()).sum::<usize>()
-        + sweeps.len() * bench.tried_settings().len();
+        + sweeps.iter().map(|sweep| bench.settings_for(sweep).len()).sum::<usize>();
     let mut steps = Steps { done: 0, all, watch };
     let mut report = Report {
         adapter: gpu.name(),
@@ -186,9 +196,10 @@ fn measure_sweep(bench: &Bench<'_>, sweep: &Sweep, steps: &mut Steps<'_>) -> Swe
     let taken: Vec<&(f64, Case)> =
         all.iter().enumerate().filter(|(i, _)| i % stride == 0 || *i == last).map(|(_, step)| step).collect();
     // Traced once for all techniques and settings.
-    let mut known = vec![KnownReferences::default(); taken.len()];
+    let [_, whole_light] = bench.effort.whole_light_samples;
+    let mut known = vec![KnownReferences::with_samples(whole_light); taken.len()];
     let mut techniques = Vec::new();
-    for (entry, setting) in bench.tried_settings() {
+    for (entry, setting) in bench.settings_for(sweep) {
         let label = label(entry.short_name, setting.name);
         steps.next(&format!("sweep {}: {label}", sweep.id));
         let mut renderer = bench.renderer();
@@ -208,6 +219,7 @@ fn measure_sweep(bench: &Bench<'_>, sweep: &Sweep, steps: &mut Steps<'_>) -> Swe
         is_log: sweep.axis == sweeps::Axis::Log,
         what_breaks: sweep.what_breaks,
         f32_loses: sweep.f32_loses,
+        option: sweep.option,
         techniques,
     }
 }
@@ -220,7 +232,14 @@ fn measure_case(
 ) -> StepOutcome<Totals> {
     let request = case.request();
     match evaluate_again(renderer, scene, &request, known, &|_, _| {}) {
-        Ok(found) => StepOutcome::Measured(Totals::of(&found.errors, &found.measured, &found.reference)),
+        // Beside the whole light, whatever samples a technique takes.
+        Ok(found) => match evaluate_converged(renderer, scene, &request, &found, known, &|_, _| {}) {
+            Ok(Some(whole)) => {
+                StepOutcome::Measured(Totals::of(&whole.errors, &found.measured, &whole.reference))
+            }
+            Ok(None) => StepOutcome::Measured(Totals::of(&found.errors, &found.measured, &found.reference)),
+            Err(error) => StepOutcome::Failed(error.to_string()),
+        },
         Err(EvaluateError::Render(error)) => unmeasured(&error),
         Err(error) => StepOutcome::Failed(error.to_string()),
     }

@@ -10,7 +10,9 @@ use shadowgraph_engine::scene::{Content, Scene, ShadowNode};
 use shadowgraph_engine::shadow::{Setting, TechniqueEntry};
 
 use super::super::timing::{PassTimes, Runner, Spread, take_turns, time_passes};
-use super::super::{LightError, Measured, compare, measured, pictures, queries};
+use super::super::{
+    LightError, LightQuery, Measured, compare, converged_queries, measured, pictures, queries_with,
+};
 use super::data::{Measurement, Outcome, PassReport, Point, ReportScene, SceneReport};
 use super::references::{References, Traced};
 use super::run::{Bench, Steps, is_refusal};
@@ -118,7 +120,7 @@ fn fill(
     for (mut runner, accepted) in runners.zip(accepted) {
         let index = accepted.point;
         steps.next(&format!("{}: error of {}", scene.name, report.points[index].label()));
-        let judged = judge(&mut runner, references);
+        let judged = judge(bench, &mut runner, references);
         report.points[index].outcome = match judged {
             Ok(judged) => {
                 report.reference_ms = judged.traced.trace_ms;
@@ -183,28 +185,47 @@ fn time(
 struct Judged {
     /// A frame as it was timed, for its plan and its bytes: reading factors takes passes of its own.
     frame: Frame,
+    same_samples: Option<(u32, usize)>,
     measured: Measured,
     traced: Arc<Traced>,
     errors: Vec<LightError>,
 }
 
-fn judge(runner: &mut Runner, references: &mut References) -> Result<Judged, Outcome> {
+fn judge(bench: &Bench<'_>, runner: &mut Runner, references: &mut References) -> Result<Judged, Outcome> {
     let Runner { renderer, scene, request } = runner;
     let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
     let frame = renderer.render(scene, request, &options).map_err(|error| unmeasured(&error))?;
-    let with_factors = FrameRequest { factors: true, ..request.clone() };
-    let judged = renderer.render(scene, &with_factors, &RenderOptions::default());
-    let judged = judged.map_err(|error| unmeasured(&error))?;
     let (posed, registry) = renderer.posed(scene).map_err(|error| unmeasured(&error))?;
-    let queries = queries(&registry);
-    if queries.is_empty() {
+    let [whole_light, _] = bench.effort.whole_light_samples;
+    let own_queries = queries_with(&registry, whole_light);
+    if own_queries.is_empty() {
         return Err(Outcome::Failed("no shadow node serves any light: there is nothing to compare".into()));
     }
+    // A light with a size is asked thousands of times at every pixel: fewer of them will do.
+    let is_sized = own_queries.iter().any(|query| !query.sized.is_empty());
+    let area = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
+    let soft_size_px = bench.effort.soft_size_px;
+    let is_smaller = is_sized && area(soft_size_px) < area(request.size_px);
+    let size_px = if is_smaller { soft_size_px } else { request.size_px };
+    let request = FrameRequest { factors: true, size_px, ..request.clone() };
+    let judged = renderer.render(scene, &request, &RenderOptions::default());
+    let judged = judged.map_err(|error| unmeasured(&error))?;
     let failed = |error: &dyn std::fmt::Display| Outcome::Failed(error.to_string());
-    let measured = measured(&judged, request.size_px).map_err(|error| failed(&error))?;
-    let traced = references.get(&posed, request, &queries, &|_, _| {});
-    let errors = compare(&measured, &traced.image).map_err(|error| failed(&error))?;
-    Ok(Judged { frame, measured, traced, errors })
+    let measured = measured(&judged, size_px).map_err(|error| failed(&error))?;
+    let mut beside = |queries: &[LightQuery]| {
+        let traced = references.get(&posed, &request, queries, &|_, _| {});
+        let errors = compare(&measured, &traced.image).map_err(|error| failed(&error))?;
+        Ok((traced, errors))
+    };
+    let (mut traced, mut errors) = beside(&own_queries)?;
+    let mut same_samples = None;
+    if let Some(queries) = converged_queries(&own_queries, whole_light) {
+        let count = errors.iter().filter_map(|error| error.same_samples).max();
+        let outside = errors.iter().map(|error| error.outside_bounds).sum();
+        same_samples = count.map(|count| (count, outside));
+        (traced, errors) = beside(&queries)?;
+    }
+    Ok(Judged { frame, same_samples, measured, traced, errors })
 }
 
 /// What a frame whose every factor is 1 gets wrong: the other end of the axis.
@@ -242,7 +263,7 @@ impl Shelf<'_> {
         accepted: Accepted,
         label: &str,
     ) -> Result<Measurement, String> {
-        let Judged { frame, measured, traced, errors } = judged;
+        let Judged { frame, same_samples, measured, traced, errors } = judged;
         let image = &traced.image;
         let said = |error: &dyn std::fmt::Display| error.to_string();
         let picture = match &frame.picture {
@@ -258,7 +279,8 @@ impl Shelf<'_> {
                 let map = pictures::error_map_png(Path::new("error map"), measured, image, &worst.name);
                 let map = self.put(&format!("{label}-error-{}", worst.name), map.map_err(|e| said(&e))?);
                 let exact = pictures::factor_png(Path::new("reference"), image, &worst.name);
-                let exact = self.put(&format!("reference-{}", worst.name), exact.map_err(|e| said(&e))?);
+                let exact =
+                    self.put(&format!("{label}-reference-{}", worst.name), exact.map_err(|e| said(&e))?);
                 Some([worst.name.clone(), map, exact])
             }
             None => None,
@@ -274,7 +296,9 @@ impl Shelf<'_> {
             passes: passes(frame, &accepted.passes),
             gpu_bytes: frame.gpu_bytes,
             plan_bytes: frame.plan.bytes(),
+            judged_size_px: measured.size_px,
             totals: Totals::of(errors, measured, image),
+            same_samples: *same_samples,
             lights: lights.collect(),
             plan: frame.plan.to_string(),
             picture,

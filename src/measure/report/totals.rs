@@ -19,13 +19,17 @@ pub struct Totals {
     pub leak_outside_band: usize,
     pub false_outside_band: usize,
     pub rmse: f64,
-    /// The root mean square over compared pixels outside the ambiguity band: the error of the plots.
+    /// The root mean square of what is outside its bounds, over compared pixels outside the ambiguity band of hard lights: the
+    /// error of the plots.
     pub rmse_outside_band: f64,
     /// Compared pixels whose exact factor is neither 0 nor 1.
     pub penumbra_pixels: usize,
     /// The root mean square over those; 0 where there are none.
     pub penumbra_rmse: f64,
     pub signed_mean: f64,
+    pub leak_mean: f64,
+    pub false_mean: f64,
+    pub outside_bounds: usize,
     pub p99: f64,
     pub max: f64,
     pub max_outside_band: f64,
@@ -81,6 +85,9 @@ impl Totals {
             penumbra_pixels: sum(|e| e.penumbra_pixels),
             penumbra_rmse: mean(|e| e.penumbra_rmse * e.penumbra_rmse, |e| e.penumbra_pixels).sqrt(),
             signed_mean: mean(|e| e.signed_mean, |e| e.compared),
+            leak_mean: mean(|e| e.leak_mean, |e| e.compared),
+            false_mean: mean(|e| e.false_mean, |e| e.compared),
+            outside_bounds: sum(|e| e.outside_bounds),
             p99: worst(|e| e.p99),
             max: worst(|e| e.max),
             max_outside_band: worst(|e| e.max_outside_band),
@@ -96,7 +103,8 @@ impl Totals {
     }
 }
 
-/// The squared differences of all lights outside the band; of a coloured factor the channel that differs most.
+/// How far the factors of all lights are outside their bounds, squared; of a coloured factor the channel that is farthest
+/// outside. Pixels in the band of a hard light have no bounds, and do not count.
 fn outside_band(measured: &Measured, reference: &ReferenceImage) -> Square {
     let mut outside = Square::default();
     let pixels = reference.hits.len();
@@ -105,11 +113,14 @@ fn outside_band(measured: &Measured, reference: &ReferenceImage) -> Square {
             continue;
         };
         for pixel in 0..pixels {
-            let is_judged = light.compared[pixel] && !light.ambiguous[pixel];
+            let is_judged = light.compared[pixel] && (light.soft.is_some() || !light.ambiguous[pixel]);
             if is_judged && sees_same(measured.ids[pixel], reference.hits[pixel]) {
                 let channels = at(factor, pixels, pixel).zip(at(&light.factor, pixels, pixel));
-                let differences = channels.map(|(value, exact)| f64::from(value) - f64::from(exact));
-                outside.add(differences.fold(0.0, |most, d| if d.abs() > f64::abs(most) { d } else { most }));
+                let beyond = channels.map(|(value, exact)| {
+                    let [least, largest] = light.bounds(pixel, exact).map(f64::from);
+                    (least - f64::from(value)).max(f64::from(value) - largest)
+                });
+                outside.add(beyond.fold(0.0, f64::max));
             }
         }
     }
@@ -133,6 +144,7 @@ mod tests {
             factor: exact.to_vec(),
             compared: vec![true; 4],
             ambiguous: ambiguous.to_vec(),
+            soft: None,
         };
         let hits = vec![Some(Hit { instance: 0, triangle: 0 }); 4];
         (measured, ReferenceImage { size_px: [4, 1], hits, lights: vec![light] })
