@@ -88,101 +88,127 @@ impl ShadowTechnique for SoftShadow {
         Ok(instance.materials.iter().any(|material| material.casts_whole() || material.casts_by_texel()))
     }
 
+    fn shades_receivers_only(&self) -> bool {
+        true
+    }
+
+    fn receives(&self, instance: &Instance) -> Result<(), String> {
+        Flat::of(instance).map(|_| ()).map_err(|reason| reason.to_string())
+    }
+
     fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        for receiver in Receiver::all(light)? {
-            self.shade(light, &receiver);
+        let receivers = Receiver::all(light)?;
+        let lit: Vec<Lit> = receivers.iter().map(|receiver| Lit::new(self, light, receiver)).collect();
+        // Turned to the light or away from it as a whole, a receiver's own shadow is the engine's to know.
+        let cut = lit.iter().any(|lit| lit.is_cut());
+        if cut {
+            light.decides_own_shadow();
+        }
+        for (receiver, lit) in receivers.iter().zip(&lit) {
+            if cut || lit.heights.iter().any(|height| *height > 0.0) {
+                shade(light, receiver, lit);
+            }
         }
         Ok(())
     }
 }
 
-impl SoftShadow {
-    /// The points of the light for a receiver.
-    fn points(&self, light: &mut LightPlan<'_>, receiver: &Receiver) -> LightPoints {
+/// A light's points, and how high they stand over a receiver.
+struct Lit {
+    points: LightPoints,
+    heights: Vec<f64>,
+}
+
+impl Lit {
+    fn new(options: &SoftShadow, light: &mut LightPlan<'_>, receiver: &Receiver) -> Self {
         let posed = light.light();
         let plane = &receiver.flat.plane;
-        let nearest_m = receiver.bounds.distance(posed.position.truncate());
-        let nearest_m = nearest_m.max(height_of(plane, posed.position).abs());
-        LightPoints::new(light.cache, posed, self.light_size(), self.samples, (plane.normal, nearest_m))
+        let height_m = height_of(plane, posed.position).abs();
+        let nearest_m = receiver.bounds.distance(posed.position.truncate()).max(height_m);
+        let size = options.light_size();
+        let points = LightPoints::new(light.cache, posed, size, options.samples, (plane.normal, nearest_m));
+        let heights = points.positions.iter().map(|point| height_of(plane, *point)).collect();
+        Self { points, heights }
     }
 
-    /// The shadow on one plane.
-    fn shade(&self, light: &mut LightPlan<'_>, receiver: &Receiver) {
-        let points = self.points(light, receiver);
-        let heights: Vec<f64> =
-            points.positions.iter().map(|point| height_of(&receiver.flat.plane, *point)).collect();
-        let casters = Casters::of(light, receiver, &points);
-        let all_above = heights.iter().all(|height| *height > 0.0);
-        if casters.batches.is_empty() && all_above {
-            return;
-        }
-        let matrices = matrices(light, receiver, &points, &casters);
-        let record = record(light, receiver, &points, &heights);
-        let (name, count) = (light.light().name.clone(), points.positions.len());
-        let format = match count {
-            ..=8 => TextureFormat::R8Unorm,
-            9..=16 => TextureFormat::Rg8Unorm,
-            _ => TextureFormat::Rgba8Unorm,
-        };
-        let layers = count.div_ceil(POINTS_OF_A_LAYER) as u32;
-        let size_px = light.view.size_px;
-        let reason = format!("one bit for each of {count} points of a light");
-        let bits = light.texture("shadowed bits", format, size_px, layers, &reason);
-        let reason = "which pixels show the receiver, and which point of the light marked them last";
-        let stencil = light.texture("receiver stencil", TextureFormat::Stencil8, size_px, 1, reason);
-        let shaders: Vec<Shader> = casters.batches.iter().map(caster_shader).collect();
-        let batches = || casters.batches.iter().zip(&shaders);
-        for (layer, heights) in heights.chunks(POINTS_OF_A_LAYER).enumerate() {
-            let mut draws = receiver_draws(
-                light,
-                receiver,
-                "mark_receiver",
-                &[(3, Binding::Texture(light.receiver_depth()))],
-                &mark_state(),
-            );
-            for (place, _) in heights.iter().enumerate().filter(|(_, height)| **height > 0.0) {
-                let number = layer * POINTS_OF_A_LAYER + place;
-                let first_caster = (number * casters.centers.len()) as u32;
-                draws.extend(
-                    batches()
-                        .map(|(batch, shader)| caster_draw(batch, shader, matrices, (number, first_caster))),
-                );
-            }
-            light.pass(Pass {
-                name: format!("shadows on {} from {name}", receiver.name),
-                reason: format!(
-                    "{} casters flattened onto the plane, from each of {} points of the light",
-                    casters.centers.len(),
-                    heights.len()
-                ),
-                colors: vec![ColorTarget {
-                    slot: bits,
-                    layer: layer as u32,
-                    load: Load::Clear([0.0; 4]),
-                    resolve: None,
-                }],
-                depth: Some(DepthTarget {
-                    slot: stencil,
-                    depth: Access::ReadOnly,
-                    stencil: Some(Access::Clear(0.0)),
-                }),
-                draws,
-            });
-        }
-        let state = DrawState::new(CompareFunction::Equal, vec![Some(MULTIPLY)]);
-        let bindings = [(4, Binding::TextureArray(bits)), (5, Binding::Storage(record))];
-        let draws = receiver_draws(light, receiver, "share", &bindings, &state);
-        let target = light.multiply_visibility(Channels::One);
-        light.pass(Pass {
-            name: format!("share of {name} on {}", receiver.name),
-            reason: "the share of the light's points that see the receiver".into(),
-            colors: vec![target],
-            depth: Some(light.test_depth()),
-            draws,
-        });
+    /// Whether the plane cuts the light.
+    fn is_cut(&self) -> bool {
+        let above = self.heights.iter().filter(|height| **height > 0.0).count();
+        above > 0 && above < self.heights.len()
     }
 }
 
+/// The shadow on one plane.
+fn shade(light: &mut LightPlan<'_>, receiver: &Receiver, Lit { points, heights }: &Lit) {
+    let casters = Casters::of(light, receiver, points);
+    let all_above = heights.iter().all(|height| *height > 0.0);
+    if casters.batches.is_empty() && all_above {
+        return;
+    }
+    let matrices = matrices(light, receiver, points, &casters);
+    let record = record(light, receiver, points, heights);
+    let (name, count) = (light.light().name.clone(), points.positions.len());
+    let format = match count {
+        ..=8 => TextureFormat::R8Unorm,
+        9..=16 => TextureFormat::Rg8Unorm,
+        _ => TextureFormat::Rgba8Unorm,
+    };
+    let layers = count.div_ceil(POINTS_OF_A_LAYER) as u32;
+    let size_px = light.view.size_px;
+    let reason = format!("one bit for each of {count} points of a light");
+    let bits = light.texture("shadowed bits", format, size_px, layers, &reason);
+    let reason = "which pixels show the receiver, and which point of the light marked them last";
+    let stencil = light.texture("receiver stencil", TextureFormat::Stencil8, size_px, 1, reason);
+    let shaders: Vec<Shader> = casters.batches.iter().map(caster_shader).collect();
+    let batches = || casters.batches.iter().zip(&shaders);
+    for (layer, heights) in heights.chunks(POINTS_OF_A_LAYER).enumerate() {
+        let mut draws = receiver_draws(
+            light,
+            receiver,
+            "mark_receiver",
+            &[(3, Binding::Texture(light.receiver_depth()))],
+            &mark_state(),
+        );
+        for (place, _) in heights.iter().enumerate().filter(|(_, height)| **height > 0.0) {
+            let number = layer * POINTS_OF_A_LAYER + place;
+            let first_caster = (number * casters.centers.len()) as u32;
+            draws.extend(
+                batches().map(|(batch, shader)| caster_draw(batch, shader, matrices, (number, first_caster))),
+            );
+        }
+        light.pass(Pass {
+            name: format!("shadows on {} from {name}", receiver.name),
+            reason: format!(
+                "{} casters flattened onto the plane, from each of {} points of the light",
+                casters.centers.len(),
+                heights.len()
+            ),
+            colors: vec![ColorTarget {
+                slot: bits,
+                layer: layer as u32,
+                load: Load::Clear([0.0; 4]),
+                resolve: None,
+            }],
+            depth: Some(DepthTarget {
+                slot: stencil,
+                depth: Access::ReadOnly,
+                stencil: Some(Access::Clear(0.0)),
+            }),
+            draws,
+        });
+    }
+    let state = DrawState::new(CompareFunction::Equal, vec![Some(MULTIPLY)]);
+    let bindings = [(4, Binding::TextureArray(bits)), (5, Binding::Storage(record))];
+    let draws = receiver_draws(light, receiver, "share", &bindings, &state);
+    let target = light.multiply_visibility(Channels::One);
+    light.pass(Pass {
+        name: format!("share of {name} on {}", receiver.name),
+        reason: "the share of the light's points that see the receiver".into(),
+        colors: vec![target],
+        depth: Some(light.test_depth()),
+        draws,
+    });
+}
 /// For each point of the light and each caster: from the caster to clip space, flattened.
 fn matrices(
     light: &mut LightPlan<'_>,

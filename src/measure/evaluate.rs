@@ -9,7 +9,9 @@ use shadowgraph_engine::scene::{Posed, Scene};
 use shadowgraph_engine::shadow::Registry;
 use thiserror::Error;
 
-use super::{CompareError, LightError, LightQuery, Measured, Progress, Reference, ReferenceImage, compare};
+use super::{
+    CompareError, Hit, LightError, LightQuery, Measured, Progress, Reference, ReferenceImage, compare,
+};
 
 /// Why a scene could not be judged.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -111,6 +113,22 @@ impl KnownReferences {
     }
 }
 
+/// The reference as far as it says something about the techniques: where one shades receivers only, other pixels are
+/// not compared.
+fn on_receivers(registry: &Registry, mut image: Arc<ReferenceImage>) -> Arc<ReferenceImage> {
+    let claims = registry.lights.iter().filter(|claims| !claims.is_empty());
+    for (light, claims) in claims.enumerate() {
+        for claim in claims.iter().filter(|claim| claim.technique.shades_receivers_only()) {
+            let ReferenceImage { hits, lights, .. } = Arc::make_mut(&mut image);
+            for (hit, compared) in hits.iter().zip(&mut lights[light].compared) {
+                let receives = |hit: &Hit| claim.receivers.binary_search(&(hit.instance as usize)).is_ok();
+                *compared &= hit.as_ref().is_some_and(receives);
+            }
+        }
+    }
+    image
+}
+
 /// Renders `scene` with its own shadow nodes and compares.
 ///
 /// # Errors
@@ -145,6 +163,7 @@ pub fn evaluate_again(
         return Err(EvaluateError::NothingToCompare);
     }
     let reference = references.answer(&posed, &request, queries, progress);
+    let reference = on_receivers(&registry, reference);
     let measured = measured(&frame, request.antialias.factor_size_px(request.size_px))?;
     let errors = compare(&measured, &reference)?;
     Ok(Evaluation { frame, measured, reference, errors })
