@@ -156,9 +156,9 @@ fn shade(light: &mut LightPlan<'_>, receiver: &Receiver, Lit { points, heights }
     let layers = count.div_ceil(POINTS_OF_A_LAYER) as u32;
     let size_px = light.view.size_px;
     let reason = format!("one bit for each of {count} points of a light");
-    let bits = light.texture("shadowed bits", format, size_px, layers, &reason);
+    let bits = light.scratch_texture("shadowed bits", format, size_px, layers, &reason);
     let reason = "which pixels show the receiver, and which point of the light marked them last";
-    let stencil = light.texture("receiver stencil", TextureFormat::Stencil8, size_px, 1, reason);
+    let stencil = light.scratch_texture("receiver stencil", TextureFormat::Stencil8, size_px, 1, reason);
     let shaders: Vec<Shader> = casters.batches.iter().map(caster_shader).collect();
     let batches = || casters.batches.iter().zip(&shaders);
     for (layer, heights) in heights.chunks(POINTS_OF_A_LAYER).enumerate() {
@@ -344,6 +344,7 @@ fn caster_draw(
     (number, first_caster): (usize, u32),
 ) -> Draw {
     let place = number % POINTS_OF_A_LAYER;
+    let (first, count) = batch.runs[number];
     // Passes where the reference is below what is stored: on the receiver, where this point has not marked yet.
     let face = StencilFaceState {
         compare: CompareFunction::Less,
@@ -361,12 +362,7 @@ fn caster_draw(
         name: format!("point {number}"),
         shader: Some(shader.clone()),
         state,
-        geometry: Geometry::Listed {
-            indices: batch.indices,
-            first: 0,
-            count: batch.count,
-            record: first_caster,
-        },
+        geometry: Geometry::Listed { indices: batch.indices, first, count, record: first_caster },
         bindings,
         scissor_px: None,
     }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable, cast_slice};
 use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4};
-use shadowgraph_engine::math::{Aabb, Plane};
+use shadowgraph_engine::math::{Aabb, Plane, facing_sign};
 use shadowgraph_engine::plan::{BufferUsage, SlotId};
 use shadowgraph_engine::scene::{ImageKey, Instance, Material, TexCoord};
 use shadowgraph_engine::shadow::{LightPlan, hash_of};
@@ -67,8 +67,8 @@ pub(super) struct Batch {
     pub(super) corners: SlotId,
     /// Their corners' numbers.
     pub(super) indices: SlotId,
-    /// How many.
-    pub(super) count: u32,
+    /// For each point of the light: where its indices begin, and how many there are.
+    pub(super) runs: Vec<(u32, u32)>,
 }
 
 /// What casts onto one receiver.
@@ -80,8 +80,12 @@ pub(super) struct Casters {
     pub(super) batches: Vec<Batch>,
 }
 
-/// What a batch is made of: bytes of corners and of indices.
-type BatchBytes = (Arc<Vec<u8>>, Arc<Vec<u8>>);
+/// What a batch is made of.
+struct BatchBytes {
+    corners: Arc<Vec<u8>>,
+    indices: Arc<Vec<u8>>,
+    runs: Vec<(u32, u32)>,
+}
 
 impl Casters {
     /// The casters that may shadow something of `receiver` in view.
@@ -117,6 +121,7 @@ impl Casters {
                     key,
                     material: Arc::clone(material),
                     center: instance.world_bounds.center(),
+                    bounds: instance.world_bounds.expanded(1e-9 * instance.world_bounds.radius()),
                 };
                 match runs.iter_mut().find(|(m, i, _)| (*m, *i) == (masked, image)) {
                     Some((_, _, runs)) => runs.push(run),
@@ -139,7 +144,7 @@ impl Casters {
         }
         casters.batches = runs
             .into_iter()
-            .map(|(masked, image, runs)| upload(light, receiver, masked, image, &runs))
+            .map(|(masked, image, runs)| upload(light, receiver, points, (masked, image), &runs))
             .collect();
         casters
     }
@@ -152,14 +157,15 @@ struct Run {
     key: u64,
     material: Arc<Material>,
     center: DVec3,
+    bounds: Aabb,
 }
 
 /// Puts the corners of several casters into one buffer, and their indices into another.
 fn upload(
     light: &mut LightPlan<'_>,
     receiver: &Receiver,
-    masked: bool,
-    image: Option<ImageKey>,
+    points: &LightPoints,
+    (masked, image): (bool, Option<ImageKey>),
     runs: &[Run],
 ) -> Batch {
     let material_bits = |material: &Material| {
@@ -167,7 +173,16 @@ fn upload(
         (material.base_color.w.to_bits(), material.cutoff().unwrap_or_default().to_bits(), reading)
     };
     let keys: Vec<_> = runs.iter().map(|run| (run.caster, run.key, material_bits(&run.material))).collect();
-    let key = hash_of(("flattened", masked, image, keys));
+    // Only a point within a caster's bounds may lie on one of its triangles.
+    let near: Vec<usize> = (0..points.positions.len())
+        .filter(|number| {
+            let point = points.positions[*number];
+            point.w > 0.0 && runs.iter().any(|run| run.bounds.contains(point.truncate()))
+        })
+        .collect();
+    let near_bits: Vec<_> =
+        near.iter().map(|number| (number, points.positions[*number].to_array().map(f64::to_bits))).collect();
+    let key = hash_of(("flattened", masked, image, keys, points.positions.len(), near_bits));
     let bytes: Arc<BatchBytes> = light.cache.get_or_compute("flattened", key, || {
         let (mut corners, mut indices) = (Vec::new(), Vec::new());
         let mut first = 0;
@@ -193,13 +208,20 @@ fn upload(
             indices.extend(above.indices.iter().map(|index| first + index));
             first += above.vertices.len() as u32;
         }
-        (Arc::new(corners), Arc::new(cast_slice(&indices).to_vec()))
+        let mut of_points = vec![(0, indices.len() as u32); points.positions.len()];
+        for number in &near {
+            let first = indices.len() as u32;
+            indices.extend(runs_seen(runs, points.positions[*number]));
+            of_points[*number] = (first, indices.len() as u32 - first);
+        }
+        let indices = Arc::new(cast_slice(&indices).to_vec());
+        BatchBytes { corners: Arc::new(corners), indices, runs: of_points }
     });
-    let (corners, indices) = &*bytes;
-    let count = indices.len() as u32 / 4;
+    let BatchBytes { corners, indices, runs } = &*bytes;
+    let triangles = runs.iter().map(|(_, count)| count / 3).max().unwrap_or_default();
     let name = &receiver.name;
     let what = if masked { "masked casters" } else { "casters" };
-    let reason = format!("{} triangles above '{name}'", count / 3);
+    let reason = format!("{triangles} triangles above '{name}'");
     let image = image.map(|image| light.image(image, "holes are looked up where light would pass"));
     Batch {
         masked,
@@ -218,8 +240,25 @@ fn upload(
             Arc::clone(indices),
             &reason,
         ),
-        count,
+        runs: runs.clone(),
     }
+}
+
+/// The indices of triangles that `point` does not see edge-on. The shadow of the others is a line; but a corner in which the
+/// point itself lies has none, and where it would be drawn is rounding.
+fn runs_seen(runs: &[Run], point: DVec4) -> Vec<u32> {
+    let mut seen = Vec::new();
+    let mut first = 0;
+    for Run { above, .. } in runs {
+        for triangle in above.indices.chunks_exact(3) {
+            let [a, b, c] = [0, 1, 2].map(|i| above.vertices[triangle[i] as usize].p_in_world);
+            if facing_sign(a, b, c, point) != 0 {
+                seen.extend(triangle.iter().map(|index| first + index));
+            }
+        }
+        first += above.vertices.len() as u32;
+    }
+    seen
 }
 
 impl AbovePlane {
