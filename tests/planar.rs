@@ -11,7 +11,7 @@ mod common;
 use common::renderer;
 use shadowgraph::cases::{self, Case};
 use shadowgraph::engine::scene::{ParamValue, Params};
-use shadowgraph::measure::{ErrorTable, Evaluation, evaluate};
+use shadowgraph::measure::{ErrorTable, Evaluation, Hit, Reference, disc_samples, evaluate, queries};
 use shadowgraph::prelude::*;
 use shadowgraph_nodes::SoftShadow;
 
@@ -45,4 +45,61 @@ fn without_a_size_shadows_are_exact_on_planes() {
     }
     println!("{tried} cases");
     assert!(failures.is_empty(), "{} fail:\n{}", failures.len(), failures.join("\n"));
+}
+
+/// How far a setting is from the light's exact factor, over the receivers: RMS over penumbra pixels, and over all.
+fn soft_error(case: &Case, renderer: &mut Renderer, samples: u32, reference: &[Option<f32>]) -> (f64, f64) {
+    let params = [("samples".into(), ParamValue::Number(samples.into()))].into();
+    let scene = case.scene_with(&SoftShadow::ENTRY, &params).unwrap();
+    let measured = common::measure(renderer, &scene, &case.request()).unwrap();
+    let (mut penumbra, mut frame) = ((0.0, 0), (0.0, 0));
+    for (right, factor) in reference.iter().zip(&measured.lights[0].1) {
+        let Some(right) = right else { continue };
+        let squared = f64::from(factor - right).powi(2);
+        frame = (frame.0 + squared, frame.1 + 1);
+        if *right > 0.0 && *right < 1.0 {
+            penumbra = (penumbra.0 + squared, penumbra.1 + 1);
+        }
+    }
+    let rms = |(sum, count): (f64, i32)| (sum / f64::from(count.max(1))).sqrt();
+    (rms(penumbra), rms(frame))
+}
+
+/// What the light's exact factor is at the receivers' pixels; `None` elsewhere.
+fn soft_reference(case: &Case, renderer: &mut Renderer, samples: u32) -> Vec<Option<f32>> {
+    let scene = case.scene_with(&SoftShadow::ENTRY, &Params::new()).unwrap();
+    let (posed, registry) = renderer.posed(&scene).unwrap();
+    let claim = &registry.lights[0][0];
+    let lights: Vec<_> = queries(&registry).into_iter().map(|query| (query, claim.light_size())).collect();
+    let image = Reference::new(&posed).render_sized(
+        &case.camera,
+        case.size_px,
+        &lights[..1],
+        &disc_samples(samples, 7),
+        &|_, _| {},
+    );
+    let receives = |hit: &Hit| claim.receivers.contains(&(hit.instance as usize));
+    let compared = image.hits.iter().zip(&image.lights[0].compared);
+    let factors = compared.zip(&image.lights[0].factor);
+    factors.map(|((hit, c), f)| (*c && hit.as_ref().is_some_and(receives)).then_some(*f)).collect()
+}
+
+#[test]
+fn factors_converge_to_the_lights() {
+    let Some(mut renderer) = renderer() else { return };
+    let filter = std::env::var("CASE").unwrap_or_default();
+    for case in cases::all().into_iter().flat_map(|entry| entry.build()) {
+        let wide = case.options.values().any(|value| *value != ParamValue::Number(0.0));
+        if !wide
+            || !case.name().contains(&filter)
+            || !case.options.keys().any(|k| k == "radius" || k == "angle")
+        {
+            continue;
+        }
+        let reference = soft_reference(&case, &mut renderer, 1024);
+        let errors: Vec<_> =
+            [16, 64, 256, 1024].map(|samples| soft_error(&case, &mut renderer, samples, &reference)).into();
+        let text: Vec<String> = errors.iter().map(|(p, f)| format!("{p:.4} {f:.4}")).collect();
+        println!("{:30} {}", case.name(), text.join("   "));
+    }
 }

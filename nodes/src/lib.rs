@@ -13,7 +13,8 @@ pub use shadow_volume_hard::{
 };
 
 pub use soft_shadow::{
-    Flat, MAX_RESOLUTION, MAX_SAMPLES, MaskedCorner, NotPlanar, PlanarLight, PlanarMode, SoftShadow,
+    Flat, MAX_RESOLUTION, MAX_SAMPLES, MaskedCorner, NotPlanar, PlanarLight, PlanarMode, PlanarTexture,
+    SoftShadow, planar_layouts,
 };
 
 /// A catalog with every technique of this crate.

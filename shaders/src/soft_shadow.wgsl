@@ -6,6 +6,7 @@
 #import common/frame
 
 #if RECEIVER
+#import common/fullscreen
 #import common/positions
 #if MASKED
 #import common/attributes
@@ -18,15 +19,15 @@
 
 // The points that stand for a light.
 struct PlanarLight {
-    // In view space.
+    // In view space; for a texture, from its middle along its sides and the plane's normal.
     center: vec3f,
     // Of a sphere; 0 where every point counts the same.
     radius_m: f32,
     count: u32,
     // The point that alone counts inside the sphere: its number, or `count` where no receiver reaches so far.
     center_point: u32,
-    pad_0: u32,
-    pad_1: u32,
+    // Half the sides of a texture on the receiver.
+    half_m: vec2f,
     // From the centre, along the axes of view space, in radii; w is 0 where the point lies under the receiver, else 1.
     points: array<vec4f>,
 }
@@ -84,14 +85,9 @@ fn weight(a: vec3f, towards: vec3f, rim: f32) -> f32 {
     return 1.0 / (cos_squared * sqrt(cos_squared) * points);
 }
 
-@fragment
-fn share(in: Varyings) -> @location(0) vec4f {
-#if MASKED
-    if has_hole(in.uvs, in.alpha) {
-        discard;
-    }
-#endif
-    let away = in.p_in_view - light.center;
+// The share of the light that reaches a receiver at `p`, whose bits are those of `pixel`.
+fn share_at(p: vec3f, pixel: vec2u) -> f32 {
+    let away = p - light.center;
     let distance_m = length(away);
     let weighs = light.radius_m > 0.0;
     let inside = weighs && distance_m <= light.radius_m;
@@ -102,7 +98,7 @@ fn share(in: Varyings) -> @location(0) vec4f {
     var bits = vec4u(0u);
     for (var i = 0u; i < light.count; i += 1u) {
         if (i & 31u) == 0u {
-            bits = vec4u(textureLoad(shadowed_bits, vec2u(in.clip.xy), i >> 5u, 0) * 255.0 + 0.5);
+            bits = vec4u(textureLoad(shadowed_bits, pixel, i >> 5u, 0) * 255.0 + 0.5);
         }
         let point = light.points[i];
         var w = 1.0;
@@ -115,7 +111,56 @@ fn share(in: Varyings) -> @location(0) vec4f {
         let is_shadowed = ((bits[(i >> 3u) & 3u] >> (i & 7u)) & 1u) == 1u;
         lit += select(w * point.w, 0.0, is_shadowed);
     }
-    return vec4f(lit / max(all, 1e-30));
+    return lit / max(all, 1e-30);
+}
+
+@fragment
+fn share(in: Varyings) -> @location(0) vec4f {
+#if MASKED
+    if has_hole(in.uvs, in.alpha) {
+        discard;
+    }
+#endif
+    return vec4f(share_at(in.p_in_view, vec2u(in.clip.xy)));
+}
+
+// The same for the middle of a texel.
+@fragment
+fn share_of_texel(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let size = vec2f(textureDimensions(shadowed_bits));
+    let place = (position.xy / size * 2.0 - 1.0) * light.half_m;
+    return vec4f(share_at(vec3f(place.x, -place.y, 0.0), vec2u(position.xy)));
+}
+
+// Where a texture lies: its texels are (dot(p, x_axis) + x_offset, dot(p, y_axis) + y_offset), p in view space.
+struct PlanarTexture {
+    x_axis: vec3f,
+    x_offset: f32,
+    y_axis: vec3f,
+    y_offset: f32,
+}
+
+@group(1) @binding(6) var shares: texture_2d<f32>;
+@group(1) @binding(7) var<storage, read> place: PlanarTexture;
+
+@fragment
+fn share_from_texture(in: Varyings) -> @location(0) vec4f {
+#if MASKED
+    if has_hole(in.uvs, in.alpha) {
+        discard;
+    }
+#endif
+    let p = in.p_in_view;
+    let texel = vec2f(dot(p, place.x_axis) + place.x_offset, dot(p, place.y_axis) + place.y_offset) - 0.5;
+    let last = vec2f(textureDimensions(shares)) - 1.0;
+    let low = clamp(floor(texel), vec2f(0.0), last);
+    let high = vec2u(clamp(floor(texel) + 1.0, vec2f(0.0), last));
+    let a = textureLoad(shares, vec2u(low), 0).r;
+    let b = textureLoad(shares, vec2u(high.x, u32(low.y)), 0).r;
+    let c = textureLoad(shares, vec2u(u32(low.x), high.y), 0).r;
+    let d = textureLoad(shares, high, 0).r;
+    let blend = saturate(texel - low);
+    return vec4f(mix(mix(a, b, blend.x), mix(c, d, blend.x), blend.y));
 }
 
 #else

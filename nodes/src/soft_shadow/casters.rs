@@ -76,8 +76,12 @@ pub(super) struct Batch {
 pub(super) struct Casters {
     /// The middle of each, from which its corners are counted.
     pub(super) centers: Vec<DVec3>,
+    /// The box around each.
+    pub(super) bounds: Vec<Aabb>,
     /// Their triangles.
     pub(super) batches: Vec<Batch>,
+    /// A hash of all of them: equal keys, equal shadows.
+    pub(super) key: u64,
 }
 
 /// What a batch is made of.
@@ -88,15 +92,20 @@ struct BatchBytes {
 }
 
 impl Casters {
-    /// The casters that may shadow something of `receiver` in view.
-    pub(super) fn of(light: &mut LightPlan<'_>, receiver: &Receiver, points: &LightPoints) -> Self {
+    /// The casters that may shadow something of `receiver`; where it is in view only, if `in_picture`.
+    pub(super) fn of(
+        light: &mut LightPlan<'_>,
+        receiver: &Receiver,
+        points: &LightPoints,
+        in_picture: bool,
+    ) -> Self {
         let mut casters = Self::default();
         let mut runs: Vec<(bool, Option<ImageKey>, Vec<Run>)> = Vec::new();
         let plane_bits = receiver.flat.plane.normal.extend(receiver.flat.plane.offset).to_array();
         let plane_bits = (plane_bits.map(f64::to_bits), receiver.flat.tolerance_m.to_bits());
         let mut left_out = Vec::new();
         for (_, instance) in light.casters() {
-            if let Err(reason) = may_shadow(light, receiver, points, &instance.world_bounds) {
+            if let Err(reason) = may_shadow(light, receiver, (points, in_picture), &instance.world_bounds) {
                 left_out.push((instance, reason));
                 continue;
             }
@@ -105,7 +114,12 @@ impl Casters {
                 if !material.casts_whole() && !material.casts_by_texel() {
                     continue;
                 }
-                let key = hash_of((instance.pose_key, part, plane_bits));
+                let texture = material.base_color_texture.filter(|_| material.casts_by_texel());
+                let reading = texture.map(|texture| {
+                    let rows = texture.transform.rows().map(|row| row.to_array().map(f32::to_bits));
+                    (texture.tex_coord == TexCoord::Second, rows)
+                });
+                let key = hash_of((instance.pose_key, part, plane_bits, reading));
                 let flat = receiver.flat;
                 let above =
                     light.cache.get_or_compute("above plane", key, || AbovePlane::new(instance, part, &flat));
@@ -130,6 +144,7 @@ impl Casters {
             }
             if casts {
                 casters.centers.push(instance.world_bounds.center());
+                casters.bounds.push(instance.world_bounds);
             } else {
                 left_out.push((instance, "lies in the plane or under it"));
             }
@@ -142,10 +157,15 @@ impl Casters {
                 light.light().name
             ));
         }
-        casters.batches = runs
-            .into_iter()
-            .map(|(masked, image, runs)| upload(light, receiver, points, (masked, image), &runs))
-            .collect();
+        let mut keys = Vec::new();
+        for (masked, image, runs) in runs {
+            let (batch, key) = upload(light, receiver, points, (masked, image), &runs);
+            casters.batches.push(batch);
+            // An image that was changed is another one.
+            let image = image.and_then(|image| light.posed.images.get(&image));
+            keys.push((key, image.map(|image| Arc::as_ptr(image) as usize)));
+        }
+        casters.key = hash_of(keys);
         casters
     }
 }
@@ -167,7 +187,7 @@ fn upload(
     points: &LightPoints,
     (masked, image): (bool, Option<ImageKey>),
     runs: &[Run],
-) -> Batch {
+) -> (Batch, u64) {
     let material_bits = |material: &Material| {
         let reading = material.base_color_texture.map_or(0, |texture| texture.reading_bits());
         (material.base_color.w.to_bits(), material.cutoff().unwrap_or_default().to_bits(), reading)
@@ -223,7 +243,7 @@ fn upload(
     let what = if masked { "masked casters" } else { "casters" };
     let reason = format!("{triangles} triangles above '{name}'");
     let image = image.map(|image| light.image(image, "holes are looked up where light would pass"));
-    Batch {
+    let batch = Batch {
         masked,
         image,
         corners: light.buffer(
@@ -241,7 +261,8 @@ fn upload(
             &reason,
         ),
         runs: runs.clone(),
-    }
+    };
+    (batch, key)
 }
 
 /// The indices of triangles that `point` does not see edge-on. The shadow of the others is a line; but a corner in which the
@@ -335,7 +356,7 @@ impl AbovePlane {
 fn may_shadow(
     light: &LightPlan<'_>,
     receiver: &Receiver,
-    points: &LightPoints,
+    (points, in_picture): (&LightPoints, bool),
     bounds: &Aabb,
 ) -> Result<(), &'static str> {
     let Flat { plane, tolerance_m } = receiver.flat;
@@ -357,7 +378,7 @@ fn may_shadow(
     let separates = |plane: &Plane| {
         above().all(|point| height_of(plane, *point) >= 0.0) && corners.iter().all(|c| plane.height(*c) < 0.0)
     };
-    if light.view.frustum.planes.iter().any(separates) {
+    if in_picture && light.view.frustum.planes.iter().any(separates) {
         return Err("its shadow misses the view");
     }
     let mut sides = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| {

@@ -1,8 +1,8 @@
 //! The planes that receive: which of the named meshes lie in one, and where.
 
-use glam::{DVec3, DVec4};
+use glam::{DVec2, DVec3, DVec4};
 use shadowgraph_engine::math::{Aabb, Plane};
-use shadowgraph_engine::scene::Instance;
+use shadowgraph_engine::scene::{Instance, Posed};
 use shadowgraph_engine::shadow::{LightPlan, ShadowError};
 
 /// A vertex in f32 that was computed to lie in a plane lies this share of its coordinates off it, or less: 8 roundings.
@@ -142,6 +142,40 @@ impl Receiver {
             light.note(format!("receiver '{}' for '{}': {reason}", instance.name, light.light().name));
         }
         Ok(receivers)
+    }
+}
+
+impl Receiver {
+    /// The plane's axes in which its rectangle is smallest, among those along an edge of its largest triangle.
+    pub(super) fn axes(&self, posed: &Posed) -> (DVec3, DVec3) {
+        let normal = self.flat.plane.normal;
+        let triangles = self.instances.iter().flat_map(|index| {
+            let instance = &posed.instances[*index];
+            (0..instance.mesh.triangle_count()).map(|triangle| instance.world_triangle(triangle))
+        });
+        let area = |[a, b, c]: &[DVec3; 3]| (*b - *a).cross(*c - *a).length_squared();
+        let largest = triangles.max_by(|p, q| area(p).total_cmp(&area(q)));
+        let edges = largest.into_iter().flat_map(|[a, b, c]| [b - a, c - b, a - c]);
+        let axes = edges.chain([normal.any_orthonormal_vector()]).filter_map(|edge| {
+            let u = (edge - normal * edge.dot(normal)).try_normalize()?;
+            Some((u, normal.cross(u)))
+        });
+        let size = |(u, v): &(DVec3, DVec3)| {
+            let (low, high) = self.extent(posed, *u, *v);
+            (high - low).element_product()
+        };
+        axes.min_by(|p, q| size(p).total_cmp(&size(q))).unwrap_or((DVec3::X, DVec3::Z))
+    }
+
+    /// Its rectangle in the plane's axes.
+    pub(super) fn extent(&self, posed: &Posed, u: DVec3, v: DVec3) -> (DVec2, DVec2) {
+        let instances = self.instances.iter().map(|index| &posed.instances[*index]);
+        let vertices =
+            instances.flat_map(|i| (0..i.mesh.positions().len() as u32).map(|v| i.world_position(v)));
+        vertices.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| {
+            let place = DVec2::new(u.dot(p), v.dot(p));
+            (low.min(place), high.max(place))
+        })
     }
 }
 
