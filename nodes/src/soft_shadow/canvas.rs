@@ -39,12 +39,11 @@ pub struct PlanarTexture {
 }
 
 /// Names and byte offsets of a structure's fields, and its whole size.
-pub type Layout = (Vec<(&'static str, usize)>, usize);
+pub(super) type Layout = (Vec<(&'static str, usize)>, usize);
 
 macro_rules! fields {
     ($type:ty: $($field:ident),*) => { vec![$((stringify!($field), std::mem::offset_of!($type, $field))),*] };
 }
-pub(super) use fields;
 
 /// Every structure of the shader as it is here, and the flags under which the shader has it: what the layout test compares.
 pub fn planar_layouts() -> [(&'static str, &'static str, Layout); 3] {
@@ -114,10 +113,8 @@ impl Canvas {
             // Beyond what shadows reach, all is lit: unless part of the light is under the plane.
             if !lit.is_cut() {
                 let (shadow_low, shadow_high) = shadow_extent(receiver, lit, casters, u, v);
-                let side =
-                    (high - low).max_element().max((shadow_high - shadow_low).max_element().min(1e300));
                 // Texels at the border are lit, and go on beyond it.
-                let margin = 2.0 * side.min((high - low).max_element()) / f64::from(resolution);
+                let margin = 2.0 * (high - low).max_element() / f64::from(resolution);
                 low = low.max(shadow_low - margin);
                 high = high.min(shadow_high + margin);
             }
@@ -254,17 +251,24 @@ fn shadow_extent(receiver: &Receiver, lit: &Lit, casters: &Casters, u: DVec3, v:
     let plane = &receiver.flat.plane;
     let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     for (point, light_height) in lit.points.positions.iter().zip(&lit.heights) {
-        for corner in casters.bounds.iter().flat_map(|bounds| bounds.corners()) {
-            // What is under the plane is cut off, and what is left of the box throws its shadow within the others'.
-            let height = plane.height(corner).max(0.0);
-            let w = light_height - height * point.w;
-            if w <= 1e-9 * light_height {
-                return (DVec2::NEG_INFINITY, DVec2::INFINITY);
+        for bounds in &casters.bounds {
+            let heights = bounds.corners().map(|corner| plane.height(corner));
+            let is_cut = heights.iter().any(|height| *height < 0.0);
+            for (corner, height) in bounds.corners().into_iter().zip(heights) {
+                let w = light_height - height * point.w;
+                if w <= 1e-9 * light_height {
+                    return (DVec2::NEG_INFINITY, DVec2::INFINITY);
+                }
+                let on = |axis: DVec3| {
+                    (axis.dot(corner) * light_height - axis.dot(point.truncate()) * height) / w
+                };
+                // The cut through a box lies between its corners, right under or over it.
+                let under = is_cut.then(|| DVec2::new(u.dot(corner), v.dot(corner)));
+                let shadow = (height >= 0.0).then(|| DVec2::new(on(u), on(v)));
+                for place in under.into_iter().chain(shadow) {
+                    (low, high) = (low.min(place), high.max(place));
+                }
             }
-            let on =
-                |axis: DVec3| (axis.dot(corner) * light_height - axis.dot(point.truncate()) * height) / w;
-            let place = DVec2::new(on(u), on(v));
-            (low, high) = (low.min(place), high.max(place));
         }
     }
     (low, high)

@@ -406,7 +406,7 @@ pub(super) fn clip_from_caster(
 ) -> DMat4 {
     // In view space, where the eye is the origin: nothing is lost where the picture needs it.
     let normal = view_from_world.transform_vector3(plane.normal);
-    let offset = plane.offset + plane.normal.dot(view_from_world.inverse().translation) * -1.0;
+    let offset = plane.offset - plane.normal.dot(view_from_world.inverse().translation);
     let plane_in_view = normal.extend(-offset);
     let light_in_view = if light.w == 0.0 {
         view_from_world.transform_vector3(light.truncate()).extend(0.0)

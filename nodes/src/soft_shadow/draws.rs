@@ -155,7 +155,9 @@ fn receiver_draws(
     bindings: &[(u32, Binding)],
     state: &DrawState,
 ) -> Vec<Draw> {
-    let mut runs: Vec<(bool, Vec<(u32, u32)>, u64)> = Vec::new();
+    // With holes or without, (instance, part), vertices.
+    type Run = (bool, Vec<(u32, u32)>, u64);
+    let mut runs: Vec<Run> = Vec::new();
     for index in &receiver.instances {
         let instance = &light.posed.instances[*index];
         for (part, material) in instance.materials.iter().enumerate().filter(|(_, m)| m.is_opaque()) {
@@ -171,7 +173,7 @@ fn receiver_draws(
             }
         }
     }
-    let draw = |(masked, parts, vertices): (bool, Vec<(u32, u32)>, u64)| {
+    let draw = |(masked, parts, vertices): Run| {
         let (style, flags): (_, &[&str]) = if masked {
             // A mask without a texture reads a white one: no variant of its own.
             (SurfaceStyle::PulledMasked, &["RECEIVER", "MASKED", "BASE_COLOR_TEXTURE", "SECOND_UV"])
