@@ -26,10 +26,13 @@
 pub mod cases;
 pub mod demo;
 pub mod measure;
+mod receivers;
 
 pub use shadowgraph_engine as engine;
 pub use shadowgraph_nodes as nodes;
 pub use shadowgraph_shaders as shaders;
+
+pub use receivers::receivers_for;
 
 /// What most programs need.
 pub mod prelude {
@@ -45,6 +48,7 @@ pub mod prelude {
         Scene, Scope, ShadowNode, Skin, SurfaceFunction, Track, Transform,
     };
     pub use shadowgraph_nodes::{
-        self, Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, ShadowVolumeHard, Terminator,
+        self, Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, PlanarMode, ShadowVolumeHard,
+        SoftShadow, Terminator,
     };
 }

@@ -35,8 +35,17 @@ fn parse(module: &str, flags: &[&str]) -> naga::Module {
 }
 
 fn assert_same(module: &str, structure: &str, rust: (Vec<(&'static str, usize)>, usize)) {
+    assert_same_with(module, &[], structure, rust);
+}
+
+fn assert_same_with(
+    module: &str,
+    flags: &[&str],
+    structure: &str,
+    rust: (Vec<(&'static str, usize)>, usize),
+) {
     let rust = owned(rust);
-    let (wgsl, stride) = wgsl_layout(&parse(module, &[]), structure);
+    let (wgsl, stride) = wgsl_layout(&parse(module, flags), structure);
     assert!(!rust.0.is_empty());
     assert_eq!(rust, wgsl, "{structure}: Rust left, {module}.wgsl right");
     assert_eq!(rust.1, stride, "{structure} in an array");
@@ -77,11 +86,29 @@ fn masked_volumes() {
     }
 }
 
+#[test]
+fn planar_shadows() {
+    for (flag, structure, rust) in shadowgraph_nodes::planar_layouts() {
+        assert_same_with("soft_shadow", &[flag], structure, rust);
+    }
+}
+
 /// A structure that a shader binds and no test compares would drift unseen.
 #[test]
 fn every_structure_bound_as_data_is_compared() {
-    let compared =
-        ["Frame", "Instance", "Light", "MaskedCasters", "MaskedCone", "MaskedTriangle", "Material", "Volume"];
+    let compared = [
+        "MaskedCorner",
+        "PlanarLight",
+        "PlanarTexture",
+        "Frame",
+        "Instance",
+        "Light",
+        "MaskedCasters",
+        "MaskedCone",
+        "MaskedTriangle",
+        "Material",
+        "Volume",
+    ];
     for name in shadowgraph_shaders::names() {
         let module = parse(name, &[]);
         for (_, variable) in module.global_variables.iter() {

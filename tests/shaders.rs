@@ -22,6 +22,17 @@ const USED: &[(&str, &[&str], &[&str])] = &[
         &[],
         &["vertex", "fullscreen_vertex", "count", "count_front", "count_back", "darken_counted"],
     ),
+    (
+        "soft_shadow",
+        &["BASE_COLOR_TEXTURE", "MASKED", "RECEIVER", "SECOND_UV"],
+        &[
+            "receiver if RECEIVER",
+            "mark_receiver if RECEIVER",
+            "share if RECEIVER",
+            "share_of_texel if RECEIVER",
+            "share_from_texture if RECEIVER",
+        ],
+    ),
     ("surface_depth", &[], &["vertex"]),
     ("surface_factor", &["COUNTS", "VISIBILITY", "MASKED", "OWN_SHADOW"], &["vertex", "factor"]),
     (

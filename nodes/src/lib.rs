@@ -4,6 +4,7 @@
 
 pub mod common;
 mod shadow_volume_hard;
+mod soft_shadow;
 
 use shadowgraph_engine::shadow::Catalog;
 
@@ -11,9 +12,15 @@ pub use shadow_volume_hard::{
     Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, ShadowVolumeHard, Terminator,
 };
 
+pub use soft_shadow::{
+    Flat, MAX_RESOLUTION, MAX_SAMPLES, MaskedCorner, NotPlanar, PlanarLight, PlanarMode, PlanarTexture,
+    SoftShadow, planar_layouts,
+};
+
 /// A catalog with every technique of this crate.
 pub fn catalog() -> Catalog {
     let mut catalog = Catalog::new();
     catalog.register(ShadowVolumeHard::ENTRY);
+    catalog.register(SoftShadow::ENTRY);
     catalog
 }

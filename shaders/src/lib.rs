@@ -41,6 +41,7 @@ modules![
     "resolve_mask",
     "sample_images",
     "shadow_volume_hard",
+    "soft_shadow",
     "surface_depth",
     "surface_factor",
     "surface_measure",

@@ -32,6 +32,8 @@ use shadowgraph_engine::manager::FrameRequest;
 use shadowgraph_engine::plan::Antialias;
 use shadowgraph_engine::scene::{Params, PosedCamera, Scene};
 use shadowgraph_engine::shadow::{OptionError, TechniqueEntry};
+
+use crate::receivers_for;
 use stage::Stage;
 
 pub use table::all;
@@ -134,16 +136,19 @@ impl Case {
     /// # Errors
     /// What the technique does not accept.
     pub fn scene_with(&self, technique: &TechniqueEntry, params: &Params) -> Result<Scene, OptionError> {
-        let known = (technique.from_params)(params)?.params();
+        let made = (technique.from_params)(params)?;
+        let known = made.params();
         let own = self.options.iter().filter(|(name, _)| known.contains_key(*name));
         let own = own.map(|(name, value)| (name.clone(), value.clone()));
         let params: Params = params.clone().into_iter().chain(own).collect();
         let mut scene = self.scene.clone();
+        let receivers = scene.pose().map(|posed| receivers_for(&posed, made.as_ref())).unwrap_or_default();
         let nodes: Vec<_> = scene.shadows().map(|(key, _)| key).collect();
         for key in nodes {
             if let Some(node) = scene.shadow_mut(key) {
                 node.technique = technique.type_name.into();
                 node.params = params.clone();
+                node.receivers = receivers.clone();
             }
         }
         Ok(scene)

@@ -10,6 +10,7 @@ use shadowgraph::engine::scene::look_at;
 use shadowgraph::engine::shadow::Catalog;
 use shadowgraph::measure::ReferenceShadow;
 use shadowgraph::prelude::*;
+use shadowgraph::receivers_for;
 
 use super::args::{Floor, LightArg, Size, TechniqueArg, seconds, vector};
 use super::output::note;
@@ -258,9 +259,16 @@ fn replace_shadows(scene: &mut Scene, technique: &TechniqueArg) -> Result<(), Fa
             names.join(", ")
         ))
     })?;
-    (entry.from_params)(&technique.params).map_err(|error| Failure::Usage(error.to_string()))?;
+    let made = (entry.from_params)(&technique.params).map_err(|error| Failure::Usage(error.to_string()))?;
     let mut node = ShadowNode::new(entry.type_name);
     node.params = technique.params.clone();
+    node.receivers = receivers_for(&scene.pose().map_err(RenderError::from)?, made.as_ref());
+    if node.receivers == Scope::Nodes(vec![]) {
+        return Err(Failure::Usage(format!(
+            "technique {} shades only what it can receive on, and nothing in the scene is (--floor adds a plane)",
+            technique.name
+        )));
+    }
     scene.add_shadow(entry.short_name, node);
     Ok(())
 }

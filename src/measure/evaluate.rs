@@ -10,8 +10,8 @@ use shadowgraph_engine::shadow::{Claim, LightSize, Registry};
 use thiserror::Error;
 
 use super::{
-    CONVERGED_SAMPLES, CompareError, LightError, LightQuery, Measured, Progress, Reference, ReferenceImage,
-    Samples, SizedCasters, compare,
+    CONVERGED_SAMPLES, CompareError, Hit, LightError, LightQuery, Measured, Progress, Reference,
+    ReferenceImage, Samples, SizedCasters, compare,
 };
 
 /// Why a scene could not be judged.
@@ -174,6 +174,22 @@ impl KnownReferences {
     }
 }
 
+/// The reference as far as it says something about the techniques: where one shades receivers only, other pixels are
+/// not compared.
+fn on_receivers(registry: &Registry, mut image: Arc<ReferenceImage>) -> Arc<ReferenceImage> {
+    let claims = registry.lights.iter().filter(|claims| !claims.is_empty());
+    for (light, claims) in claims.enumerate() {
+        for claim in claims.iter().filter(|claim| claim.technique.shades_receivers_only()) {
+            let ReferenceImage { hits, lights, .. } = Arc::make_mut(&mut image);
+            for (hit, compared) in hits.iter().zip(&mut lights[light].compared) {
+                let receives = |hit: &Hit| claim.receivers.binary_search(&(hit.instance as usize)).is_ok();
+                *compared &= hit.as_ref().is_some_and(receives);
+            }
+        }
+    }
+    image
+}
+
 /// Renders `scene` with its own shadow nodes and compares.
 ///
 /// # Errors
@@ -208,6 +224,7 @@ pub fn evaluate_again(
         return Err(EvaluateError::NothingToCompare);
     }
     let reference = references.answer(&posed, &request, queries.clone(), progress);
+    let reference = on_receivers(&registry, reference);
     let measured = measured(&frame, request.antialias.factor_size_px(request.size_px))?;
     let errors = compare(&measured, &reference)?;
     Ok(Evaluation { frame, measured, reference, errors, queries })
@@ -229,8 +246,8 @@ pub fn evaluate_converged(
     let Some(queries) = converged_queries(&evaluation.queries, references.converged_samples) else {
         return Ok(None);
     };
-    let (posed, _) = renderer.posed(scene)?;
-    let reference = references.answer(&posed, request, queries, progress);
+    let (posed, registry) = renderer.posed(scene)?;
+    let reference = on_receivers(&registry, references.answer(&posed, request, queries, progress));
     let errors = compare(&evaluation.measured, &reference)?;
     Ok(Some(Converged { reference, errors }))
 }

@@ -289,7 +289,7 @@ impl Executor {
                 Geometry::Indexed { instance, .. } => {
                     self.meshes.upload(&self.gpu, &inputs.posed.instances[*instance as usize].mesh);
                 }
-                Geometry::Procedural { .. } => {}
+                Geometry::Listed { .. } | Geometry::Procedural { .. } => {}
             }
         }
     }

@@ -49,6 +49,24 @@ impl PlanBuilder {
         self.slot(name, SlotKind::Texture { format, size_px, layers, samples: 1 }, reason)
     }
 
+    /// Adds a texture whose contents nobody needs after the passes that are added next: several that want one of this
+    /// name, format and size share it, in turns.
+    pub fn scratch_texture(
+        &mut self,
+        name: &str,
+        format: TextureFormat,
+        size_px: [u32; 2],
+        layers: u32,
+        reason: &str,
+    ) -> SlotId {
+        let kind = SlotKind::Texture { format, size_px, layers, samples: 1 };
+        let same = |slot: &Slot| slot.kept.is_none() && slot.name == name && slot.kind == kind;
+        match self.slots.iter().position(same) {
+            Some(index) => SlotId(index),
+            None => self.slot(name, kind, reason),
+        }
+    }
+
     /// Adds a texture whose contents outlive the frame, under `revision_key`; see
     /// [`LightPlan::kept_texture`](crate::shadow::LightPlan::kept_texture). Equal in name, format, size and key, it is
     /// added once.

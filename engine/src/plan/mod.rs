@@ -169,7 +169,7 @@ pub struct ColorTarget {
 pub struct DepthTarget {
     /// The texture.
     pub slot: SlotId,
-    /// How depth is used.
+    /// How depth is used: read-only where the format has none.
     pub depth: Access,
     /// How the stencil is used; `None` when the format has none.
     pub stencil: Option<Access>,
@@ -296,6 +296,17 @@ pub enum Geometry {
         /// The shader's `instance_index`.
         record: u32,
     },
+    /// Indices of which the shader makes vertices by itself, from what the draw binds.
+    Listed {
+        /// The index buffer.
+        indices: SlotId,
+        /// The first index.
+        first: u32,
+        /// The number of indices.
+        count: u32,
+        /// The shader's `instance_index`.
+        record: u32,
+    },
     /// Vertices that the shader makes up.
     Procedural {
         /// The number of vertices.
@@ -356,7 +367,7 @@ impl Draw {
     pub fn vertices(&self) -> u64 {
         match &self.geometry {
             Geometry::Surfaces { vertices, .. } => *vertices,
-            Geometry::Indexed { count, .. } => u64::from(*count),
+            Geometry::Indexed { count, .. } | Geometry::Listed { count, .. } => u64::from(*count),
             Geometry::Procedural { vertices, instances } => u64::from(*vertices) * u64::from(*instances),
         }
     }

@@ -122,7 +122,7 @@ impl FramePlan {
             Geometry::Surfaces { style, parts, .. } => {
                 write!(f, "{style:?} surfaces, {} parts, ", parts.len())?;
             }
-            Geometry::Indexed { .. } => write!(f, "indexed, ")?,
+            Geometry::Indexed { .. } | Geometry::Listed { .. } => write!(f, "indexed, ")?,
             Geometry::Procedural { .. } => write!(f, "procedural, ")?,
         }
         write!(f, "{} vertices", draw.vertices())?;

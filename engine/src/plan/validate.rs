@@ -1,6 +1,6 @@
 //! What must hold for a plan to make sense. A plan that fails here would fail, or silently err, on the GPU.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use thiserror::Error;
 
@@ -75,7 +75,7 @@ impl FramePlan {
             return Err(PlanError::NotKeepable { slot: slot.name.clone(), found: slot.to_string() });
         }
         let mut written: HashSet<(SlotId, u32)> = HashSet::new();
-        let mut stencil_cleared = false;
+        let mut stencils_cleared: HashSet<SlotId> = HashSet::new();
         for pass in &self.passes {
             for color in &pass.colors {
                 self.check_color(pass, color, &written)?;
@@ -83,17 +83,20 @@ impl FramePlan {
             if let Some(depth) = &pass.depth {
                 let slot = self.slot_of(pass, depth.slot)?;
                 let stencil_format = format_of(slot).is_some_and(|f| f.has_stencil_aspect());
-                if !format_of(slot).is_some_and(|f| f.has_depth_aspect())
-                    || depth.stencil.is_some() != stencil_format
-                {
+                let depth_format = format_of(slot).is_some_and(|f| f.has_depth_aspect());
+                let stencil_alone = stencil_format && !depth_format && depth.depth == Access::ReadOnly;
+                if !(depth_format || stencil_alone) || depth.stencil.is_some() != stencil_format {
                     return Err(wrong_kind(pass, slot, "a depth attachment with the stated stencil"));
                 }
-                if !matches!(depth.depth, Access::Clear(_)) && !written.contains(&(depth.slot, 0)) {
+                let clears = matches!(depth.depth, Access::Clear(_)) || stencil_alone;
+                if !clears && !written.contains(&(depth.slot, 0)) {
                     return Err(PlanError::MissingClear { pass: pass.name.clone(), slot: slot.name.clone() });
                 }
                 match depth.stencil {
-                    Some(Access::Clear(_)) => stencil_cleared = true,
-                    Some(_) if !stencil_cleared => {
+                    Some(Access::Clear(_)) => {
+                        stencils_cleared.insert(depth.slot);
+                    }
+                    Some(_) if !stencils_cleared.contains(&depth.slot) => {
                         let slot = format!("{} (stencil)", slot.name);
                         return Err(PlanError::MissingClear { pass: pass.name.clone(), slot });
                     }
@@ -211,7 +214,9 @@ impl FramePlan {
             for (_, binding) in &draw.bindings {
                 self.check_binding(pass, binding, written)?;
             }
-            if let Geometry::Indexed { indices, first, count, .. } = draw.geometry {
+            if let Geometry::Indexed { indices, first, count, .. }
+            | Geometry::Listed { indices, first, count, .. } = draw.geometry
+            {
                 let slot = self.slot_of(pass, indices)?;
                 let SlotKind::Buffer { contents, .. } = &slot.kind else {
                     return Err(wrong_kind(pass, slot, "an index buffer"));
@@ -303,7 +308,7 @@ impl FramePlan {
             if light.factor_image.is_some_and(|slot| !written.contains(&(slot, 0))) {
                 return Err(never("its factor image".into()));
             }
-            let counted = self.passes.iter().any(writes_stencil);
+            let counted = self.passes.iter().any(|pass| self.counts(pass));
             for part in light.factors() {
                 match part.at {
                     FactorAt::Counts if !counted => return Err(never("the stencil".into())),
@@ -326,6 +331,12 @@ impl FramePlan {
         Ok(())
     }
 
+    /// Whether a pass counts beside the depth of what is seen: a stencil by itself is a technique's own.
+    fn counts(&self, pass: &Pass) -> bool {
+        let beside_depth = pass.depth.as_ref().and_then(|depth| format_of(self.slots.get(depth.slot.0)?));
+        beside_depth.is_some_and(|format| format.has_depth_aspect()) && writes_stencil(pass)
+    }
+
     fn is_written(&self, name: &str, layer: u32, written: &HashSet<(SlotId, u32)>) -> bool {
         written.iter().any(|(slot, l)| *l == layer && self.slots[slot.0].name == name)
     }
@@ -345,9 +356,11 @@ impl FramePlan {
         if resolves < in_mask {
             return Err(PlanError::Unresolved { lights: in_mask, resolves });
         }
-        let mut counted: Vec<(&str, [u32; 4])> = Vec::new();
+        let mut counted_in: HashMap<SlotId, Vec<(&str, [u32; 4])>> = HashMap::new();
         for pass in &self.passes {
-            if pass.depth.as_ref().is_some_and(|depth| matches!(depth.stencil, Some(Access::Clear(_)))) {
+            let Some(depth) = &pass.depth else { continue };
+            let counted = counted_in.entry(depth.slot).or_default();
+            if matches!(depth.stencil, Some(Access::Clear(_))) {
                 counted.clear();
             }
             let [width, height] = self.target_size_px(pass);

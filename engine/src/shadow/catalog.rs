@@ -51,6 +51,20 @@ pub trait ShadowTechnique: fmt::Debug + Send + Sync {
     /// The reason why it would have to cast but cannot.
     fn casts(&self, instance: &Instance) -> Result<bool, String>;
 
+    /// Whether it shades the receivers that its node names and nothing else. Everywhere else its factor is 1, and is not
+    /// compared.
+    fn shades_receivers_only(&self) -> bool {
+        false
+    }
+
+    /// Whether `instance` can be a receiver; asked of techniques that shade receivers only.
+    ///
+    /// # Errors
+    /// The reason why it cannot.
+    fn receives(&self, _instance: &Instance) -> Result<(), String> {
+        Ok(())
+    }
+
     /// Adds the passes that leave the light's factor in the stencil or in a visibility target.
     ///
     /// # Errors

@@ -16,6 +16,8 @@ pub enum ShadowError {
     Option { node: String, source: OptionError },
     #[error("shadow node '{node}' ({technique}) refuses caster '{caster}': {reason}")]
     CasterRefused { node: String, technique: &'static str, caster: String, reason: String },
+    #[error("shadow node '{node}' ({technique}) refuses receiver '{receiver}': it {reason}")]
+    ReceiverRefused { node: String, technique: &'static str, receiver: String, reason: String },
     #[error(
         "light '{light}': caster '{caster}' is claimed by '{first}' ({first_technique}) and by '{second}' ({second_technique}); one light may have each caster from one technique only"
     )]

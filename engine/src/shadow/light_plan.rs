@@ -289,6 +289,19 @@ impl<'a> LightPlan<'a> {
         self.builder.texture_sized(name, format, size_px, layers, reason)
     }
 
+    /// Adds a texture for passes that follow each other, or takes the one that others of this name, format, size and
+    /// layers are done with; see [`PlanBuilder::scratch_texture`]. Its first pass clears it.
+    pub fn scratch_texture(
+        &mut self,
+        name: &str,
+        format: TextureFormat,
+        size_px: [u32; 2],
+        layers: u32,
+        reason: &str,
+    ) -> SlotId {
+        self.builder.scratch_texture(name, format, size_px, layers, reason)
+    }
+
     /// Adds a texture whose contents outlive the frame: once drawn for `revision_key`, a hash of everything that its
     /// contents depend on, the passes that write it run again only when another key is asked for, or the device was
     /// lost, a frame failed or the budget was short. A texture that no frame names for a while is dropped. Names need not

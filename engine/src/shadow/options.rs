@@ -70,6 +70,11 @@ impl<'a> OptionReader<'a> {
         }
     }
 
+    /// Makes `option` known, for a value that the caller reads by itself.
+    pub fn known(&mut self, option: &'static str) {
+        self.known.push(option);
+    }
+
     /// The refusal of a value that is fine by itself but not beside the other options.
     #[must_use]
     pub fn conflict(&self, option: &str, accepted: &str) -> OptionError {

@@ -69,6 +69,15 @@ impl Registry {
                     ));
                 }
             }
+            let named = node.receivers.iter().filter(|_| technique.shades_receivers_only());
+            for instance in named.map(|index| &posed.instances[*index]) {
+                technique.receives(instance).map_err(|reason| ShadowError::ReceiverRefused {
+                    node: node.name.clone(),
+                    technique: technique.type_name(),
+                    receiver: instance.name.clone(),
+                    reason,
+                })?;
+            }
             for &light in &node.lights {
                 let claims = &mut registry.lights[light];
                 let mut own = Vec::new();

@@ -124,7 +124,7 @@ fn drawn<'a>(
                 let mesh = &inputs.posed.instances[*instance as usize].mesh;
                 meshes.insert(mesh.id(), mesh);
             }
-            Geometry::Procedural { .. } => {}
+            Geometry::Listed { .. } | Geometry::Procedural { .. } => {}
         }
     }
     (meshes, materials)

@@ -183,6 +183,16 @@ impl Executor {
                     render.draw_indexed(*first..first + count, 0, *record..record + 1);
                 }
             }
+            Geometry::Listed { indices, first, count, record } => {
+                let Some(shader) = &draw.shader else { return Ok(()) };
+                self.set_pipeline(recording, shader, Surface::Technique { indexed: false }, render)?;
+                let group = self.draw_group(scene, draw, None, None, groups);
+                render.set_bind_group(1, &group, &[]);
+                if let GpuSlot::Buffer(buffer) = &scene.slots[indices.0] {
+                    render.set_index_buffer(buffer.slice(..), wgpu::IndexFormat::Uint32);
+                    render.draw_indexed(*first..first + count, 0, *record..record + 1);
+                }
+            }
             Geometry::Procedural { vertices, instances } => {
                 let Some(shader) = &draw.shader else { return Ok(()) };
                 self.set_pipeline(recording, shader, Surface::Technique { indexed: false }, render)?;

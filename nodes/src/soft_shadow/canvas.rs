@@ -1,0 +1,274 @@
+//! What shadows are drawn on: the picture, or a texture on the receiver.
+//!
+//! Both are seen by a rigid camera: the eye, or one that looks straight down onto the plane. So casters are flattened and
+//! bits weighed by the same code.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
+use glam::{DAffine3, DMat3, DMat4, DVec2, DVec3, DVec4};
+use shadowgraph_engine::math::Plane;
+use shadowgraph_engine::plan::{BufferUsage, SlotId, TextureFormat};
+use shadowgraph_engine::shadow::{LightPlan, hash_of};
+
+use super::casters::{Casters, clip_from_caster};
+use super::receivers::Receiver;
+use super::{Lit, POINTS_OF_A_LAYER};
+
+/// The head of `struct PlanarLight` of soft_shadow.wgsl, which its points follow.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[allow(missing_docs, reason = "documented where the shader reads them")]
+pub struct PlanarLight {
+    pub center: [f32; 3],
+    pub radius_m: f32,
+    pub count: u32,
+    pub center_point: u32,
+    pub half_m: [f32; 2],
+}
+
+/// `struct PlanarTexture` of soft_shadow.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[allow(missing_docs, reason = "documented where the shader reads them")]
+pub struct PlanarTexture {
+    pub x_axis: [f32; 3],
+    pub x_offset: f32,
+    pub y_axis: [f32; 3],
+    pub y_offset: f32,
+}
+
+/// Names and byte offsets of a structure's fields, and its whole size.
+pub(super) type Layout = (Vec<(&'static str, usize)>, usize);
+
+macro_rules! fields {
+    ($type:ty: $($field:ident),*) => { vec![$((stringify!($field), std::mem::offset_of!($type, $field))),*] };
+}
+
+/// Every structure of the shader as it is here, and the flags under which the shader has it: what the layout test compares.
+pub fn planar_layouts() -> [(&'static str, &'static str, Layout); 3] {
+    use super::casters::MaskedCorner;
+    let mut light = fields!(PlanarLight: center, radius_m, count, center_point, half_m);
+    light.push(("points", size_of::<PlanarLight>()));
+    let texture = fields!(PlanarTexture: x_axis, x_offset, y_axis, y_offset);
+    let corner = fields!(MaskedCorner: position, caster, uv, alpha, cutoff, reading, pad_0, pad_1, pad_2);
+    // A runtime-sized array counts as one element.
+    [
+        ("RECEIVER", "PlanarLight", (light, size_of::<PlanarLight>() + size_of::<[f32; 4]>())),
+        ("RECEIVER", "PlanarTexture", (texture, size_of::<PlanarTexture>())),
+        ("MASKED", "MaskedCorner", (corner, size_of::<MaskedCorner>())),
+    ]
+}
+
+/// What shadows are drawn on.
+#[derive(Clone, Debug)]
+pub(super) struct Canvas {
+    /// In pixels or texels.
+    pub(super) size_px: [u32; 2],
+    /// To where its camera is the origin.
+    pub(super) view_from_world: DAffine3,
+    /// From there to clip space; w is the distance for a perspective camera.
+    pub(super) clip_from_view: DMat4,
+    /// Half its sides on the receiver; none for the picture.
+    pub(super) half_m: Option<DVec2>,
+    /// What its contents depend on, for a texture, which is kept.
+    pub(super) key: Option<u64>,
+}
+
+impl Canvas {
+    /// The picture, as the eye sees the receiver.
+    pub(super) fn picture(light: &LightPlan<'_>) -> Self {
+        let size_px = light.view.size_px;
+        let [width, height] = size_px.map(f64::from);
+        Self {
+            size_px,
+            view_from_world: light.view.camera.world_from_view.inverse(),
+            clip_from_view: light.view.camera.projection.clip_from_view(width / height),
+            half_m: None,
+            key: None,
+        }
+    }
+
+    /// A texture over where shadows may fall on `receiver`, its longer side of `resolution` texels; `None` where none fall.
+    pub(super) fn texture(
+        light: &mut LightPlan<'_>,
+        receiver: &Receiver,
+        lit: &Lit,
+        casters: &Casters,
+        resolution: u32,
+    ) -> Option<Self> {
+        let Plane { normal, offset } = receiver.flat.plane;
+        let points = lit.points.positions.iter().map(|point| point.to_array().map(f64::to_bits));
+        let points: Vec<_> = points.chain([[lit.points.radius_m.to_bits(); 4]]).collect();
+        let plane_bits = normal.extend(offset).to_array().map(f64::to_bits);
+        let poses: Vec<u64> =
+            receiver.instances.iter().map(|index| light.posed.instances[*index].pose_key).collect();
+        let key = hash_of(("planar texture", plane_bits, points, poses, casters.key, resolution));
+        let posed = light.posed;
+        let canvas = light.cache.get_or_compute("planar texture", key, || {
+            let (u, v) = receiver.axes(posed);
+            let world_from_axes = DMat3::from_cols(u, v, normal);
+            let axes_from_world = world_from_axes.transpose();
+            let (mut low, mut high) = receiver.extent(posed, u, v);
+            // Beyond what shadows reach, all is lit: unless part of the light is under the plane.
+            if !lit.is_cut() {
+                let (shadow_low, shadow_high) = shadow_extent(receiver, lit, casters, u, v);
+                // Texels at the border are lit, and go on beyond it.
+                let margin = 2.0 * (high - low).max_element() / f64::from(resolution);
+                low = low.max(shadow_low - margin);
+                high = high.min(shadow_high + margin);
+            }
+            let half = (high - low) * 0.5;
+            if half.cmple(DVec2::ZERO).any() || !half.is_finite() {
+                return None;
+            }
+            let middle = (low + high) * 0.5;
+            let longest = half.max_element();
+            let texels = |half: f64| ((half / longest * f64::from(resolution)).ceil() as u32).max(1);
+            let origin = u * middle.x + v * middle.y + normal * offset;
+            let view_from_world =
+                DAffine3 { matrix3: axes_from_world, translation: -(axes_from_world * origin) };
+            // w is that of the flattened point, and z half of it.
+            let clip_from_view = DMat4::from_cols(
+                DVec4::new(1.0 / half.x, 0.0, 0.0, 0.0),
+                DVec4::new(0.0, 1.0 / half.y, 0.0, 0.0),
+                DVec4::ZERO,
+                DVec4::new(0.0, 0.0, 0.5, 1.0),
+            );
+            let size_px = [texels(half.x), texels(half.y)];
+            Some(Self { size_px, view_from_world, clip_from_view, half_m: Some(half), key: Some(key) })
+        });
+        (*canvas).clone()
+    }
+
+    /// The targets: bits of the points, and which point marked a pixel last.
+    pub(super) fn targets(&self, light: &mut LightPlan<'_>, count: usize) -> (SlotId, SlotId) {
+        let format = match count {
+            ..=8 => TextureFormat::R8Unorm,
+            9..=16 => TextureFormat::Rg8Unorm,
+            _ => TextureFormat::Rgba8Unorm,
+        };
+        let layers = count.div_ceil(POINTS_OF_A_LAYER) as u32;
+        let mut target = |name: &str, format, layers, reason: &str| match self.key {
+            None => light.scratch_texture(name, format, self.size_px, layers, reason),
+            Some(key) => light.kept_texture(name, format, self.size_px, layers, key, reason),
+        };
+        let reason = format!("one bit for each of {count} points of a light");
+        let bits = target("shadowed bits", format, layers, &reason);
+        let reason = "where the receiver is, and which point of the light marked it last";
+        (bits, target("receiver stencil", TextureFormat::Stencil8, 1, reason))
+    }
+
+    /// For each point of the light and each caster: from the caster to clip space, flattened.
+    pub(super) fn matrices(
+        &self,
+        light: &mut LightPlan<'_>,
+        receiver: &Receiver,
+        lit: &Lit,
+        casters: &Casters,
+    ) -> SlotId {
+        let compute = || {
+            let plane = &receiver.flat.plane;
+            let flatten = |point: &DVec4, center: &DVec3| {
+                let clip =
+                    clip_from_caster(&self.clip_from_view, &self.view_from_world, (plane, *point), *center);
+                clip.as_mat4().to_cols_array()
+            };
+            let of_point = |point: &DVec4| {
+                casters.centers.iter().map(|center| flatten(point, center)).collect::<Vec<_>>()
+            };
+            let matrices: Vec<[f32; 16]> = lit.points.positions.iter().flat_map(of_point).collect();
+            if matrices.is_empty() { vec![0; 64] } else { cast_slice(&matrices).to_vec() }
+        };
+        let (bytes, key) = match self.key {
+            Some(key) => {
+                (light.cache.get_or_compute("flattening", key, compute), hash_of(("flattening", key)))
+            }
+            None => {
+                let bytes = Arc::new(compute());
+                let key = hash_of(("flattening", &bytes));
+                (bytes, key)
+            }
+        };
+        let name = format!("flattening onto {} from {}", receiver.name, light.light().name);
+        let reason = "where each caster's shadow falls, for each point of the light";
+        light.buffer(&name, BufferUsage::Storage, key, bytes, reason)
+    }
+
+    /// The points of the light as the shader weighs them.
+    pub(super) fn points(&self, light: &mut LightPlan<'_>, receiver: &Receiver, lit: &Lit) -> SlotId {
+        let Lit { points, heights } = lit;
+        let count = points.positions.len() as u32;
+        let center = self.view_from_world.transform_point3(light.light().position.truncate());
+        let head = PlanarLight {
+            center: center.as_vec3().to_array(),
+            radius_m: points.radius_m as f32,
+            count,
+            center_point: points.center_point.map_or(count, |number| number as u32),
+            half_m: self.half_m.unwrap_or_default().as_vec2().to_array(),
+        };
+        let point = |(offset, height): (&DVec3, &f64)| {
+            let lit = if *height > 0.0 { 1.0 } else { 0.0 };
+            self.view_from_world.transform_vector3(*offset).extend(lit).as_vec4().to_array()
+        };
+        let offsets: Vec<[f32; 4]> = points.offsets.iter().zip(heights).map(point).collect();
+        let bytes = [bytes_of(&head), cast_slice(&offsets)].concat();
+        let key = hash_of(("planar light", &bytes));
+        let name = format!("points of {} over {}", light.light().name, receiver.name);
+        let reason = "the points of the light, by which bits are weighed";
+        light.buffer(&name, BufferUsage::Storage, key, Arc::new(bytes), reason)
+    }
+
+    /// Where the texture lies, as the eye sees it.
+    pub(super) fn place(&self, light: &mut LightPlan<'_>, receiver: &Receiver) -> SlotId {
+        let half = self.half_m.unwrap_or(DVec2::ONE);
+        let canvas_from_eye = self.view_from_world * light.view.camera.world_from_view;
+        let rows = canvas_from_eye.matrix3.transpose();
+        let [width, height] = self.size_px.map(f64::from);
+        // Texels run down.
+        let (x, y) = (0.5 * width / half.x, -0.5 * height / half.y);
+        let place = PlanarTexture {
+            x_axis: (rows.x_axis * x).as_vec3().to_array(),
+            x_offset: (canvas_from_eye.translation.x * x + 0.5 * width) as f32,
+            y_axis: (rows.y_axis * y).as_vec3().to_array(),
+            y_offset: (canvas_from_eye.translation.y * y + 0.5 * height) as f32,
+        };
+        let bytes = bytes_of(&place).to_vec();
+        let key = hash_of(("planar texture's place", &bytes));
+        let name = format!("place of the shadows on {}", receiver.name);
+        light.buffer(
+            &name,
+            BufferUsage::Storage,
+            key,
+            Arc::new(bytes),
+            "where the texture lies, as the eye sees it",
+        )
+    }
+}
+
+/// The rectangle, in the plane's axes, in which the casters' boxes throw their shadows; without end where one does.
+fn shadow_extent(receiver: &Receiver, lit: &Lit, casters: &Casters, u: DVec3, v: DVec3) -> (DVec2, DVec2) {
+    let plane = &receiver.flat.plane;
+    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for (point, light_height) in lit.points.positions.iter().zip(&lit.heights) {
+        for bounds in &casters.bounds {
+            let heights = bounds.corners().map(|corner| plane.height(corner));
+            let is_cut = heights.iter().any(|height| *height < 0.0);
+            for (corner, height) in bounds.corners().into_iter().zip(heights) {
+                let w = light_height - height * point.w;
+                if w <= 1e-9 * light_height {
+                    return (DVec2::NEG_INFINITY, DVec2::INFINITY);
+                }
+                let on =
+                    |axis: DVec3| (axis.dot(corner) * light_height - axis.dot(point.truncate()) * height) / w;
+                // The cut through a box lies between its corners, right under or over it.
+                let under = is_cut.then(|| DVec2::new(u.dot(corner), v.dot(corner)));
+                let shadow = (height >= 0.0).then(|| DVec2::new(on(u), on(v)));
+                for place in under.into_iter().chain(shadow) {
+                    (low, high) = (low.min(place), high.max(place));
+                }
+            }
+        }
+    }
+    (low, high)
+}

@@ -1,0 +1,241 @@
+// Planar shadows: casters flattened onto a receiver's plane from each point of a light, and what of the light they leave.
+//
+// For every point of the light the casters' triangles are drawn where their shadow falls, which marks one bit of each
+// pixel of the receiver; the stencil lets a point mark a pixel once. Then the receiver's pixels weigh their bits.
+
+#import common/frame
+
+#if RECEIVER
+#import common/fullscreen
+#import common/positions
+#if MASKED
+#import common/attributes
+#endif
+
+@group(1) @binding(1) var<storage, read> indices: array<u32>;
+@group(1) @binding(3) var receiver_depth: texture_depth_2d;
+// One bit for each point of the light, 32 of them in a layer's four channels.
+@group(1) @binding(4) var shadowed_bits: texture_2d_array<f32>;
+
+// The points that stand for a light.
+struct PlanarLight {
+    // In view space; for a texture, from its middle along its sides and the plane's normal.
+    center: vec3f,
+    // Of a sphere; 0 where every point counts the same.
+    radius_m: f32,
+    count: u32,
+    // The point that alone counts inside the sphere: its number, or `count` where no receiver reaches so far.
+    center_point: u32,
+    // Half the sides of a texture on the receiver.
+    half_m: vec2f,
+    // From the centre, along the axes of view space, in radii; w is 0 where the point lies under the receiver, else 1.
+    points: array<vec4f>,
+}
+
+@group(1) @binding(5) var<storage, read> light: PlanarLight;
+
+struct Varyings {
+    @builtin(position) @invariant clip: vec4f,
+    @location(0) p_in_view: vec3f,
+#if MASKED
+    @location(1) uvs: Uvs,
+    @location(2) alpha: f32,
+#endif
+}
+
+@vertex
+fn receiver(@builtin(vertex_index) corner: u32, @builtin(instance_index) instance: u32) -> Varyings {
+    let vertex = indices[corner];
+    let p = local_position(vertex);
+    var out: Varyings;
+    out.clip = clip_from_local(instance, p);
+    out.p_in_view = view_from_local(instance, p);
+#if MASKED
+    out.uvs = vertex_uvs(vertex);
+    out.alpha = vertex_alpha(vertex);
+#endif
+    return out;
+}
+
+// Where the receiver is hidden, nothing need be drawn. Spared work only: what is taken to be seen here and is not is
+// left out when the bits are weighed. So this much of the depth may be rounding.
+const HIDDEN: f32 = 0.999;
+
+@fragment
+fn mark_receiver(in: Varyings) {
+    if in.clip.z < textureLoad(receiver_depth, vec2u(in.clip.xy), 0) * HIDDEN {
+        discard;
+    }
+#if MASKED
+    if has_hole(in.uvs, in.alpha) {
+        discard;
+    }
+#endif
+}
+
+// What a point of the ball at `a` counts, seen from a receiver a distance 1 away, `towards` it, with the ball's rim at
+// this sine. Points whose density is 1/sqrt(1 - r²) in the ball cover the disc that the ball looks like evenly from far
+// away; from nearby, the disc's area in a narrow cone over the points' number in it is
+//     cos^-3 / (cos² + (rim² - sin²) / 2).
+fn weight(a: vec3f, towards: vec3f, rim: f32) -> f32 {
+    let along = dot(a, towards);
+    let across = a - towards * along;
+    let cos_squared = 1.0 / (1.0 + dot(across, across) / ((1.0 - along) * (1.0 - along)));
+    let points = cos_squared + 0.5 * max(rim * rim - (1.0 - cos_squared), 0.0);
+    return 1.0 / (cos_squared * sqrt(cos_squared) * points);
+}
+
+// The share of the light that reaches a receiver at `p`, whose bits are those of `pixel`.
+fn share_at(p: vec3f, pixel: vec2u) -> f32 {
+    let away = p - light.center;
+    let distance_m = length(away);
+    let weighs = light.radius_m > 0.0;
+    let inside = weighs && distance_m <= light.radius_m;
+    let towards = away / distance_m;
+    let rim = light.radius_m / distance_m;
+    var lit = 0.0;
+    var all = 0.0;
+    var bits = vec4u(0u);
+    for (var i = 0u; i < light.count; i += 1u) {
+        if (i & 31u) == 0u {
+            bits = vec4u(textureLoad(shadowed_bits, pixel, i >> 5u, 0) * 255.0 + 0.5);
+        }
+        let point = light.points[i];
+        var w = 1.0;
+        if (i == light.center_point) != inside {
+            w = 0.0;
+        } else if weighs && !inside {
+            w = weight(point.xyz * rim, towards, rim);
+        }
+        all += w;
+        let is_shadowed = ((bits[(i >> 3u) & 3u] >> (i & 7u)) & 1u) == 1u;
+        lit += select(w * point.w, 0.0, is_shadowed);
+    }
+    return lit / max(all, 1e-30);
+}
+
+@fragment
+fn share(in: Varyings) -> @location(0) vec4f {
+#if MASKED
+    if has_hole(in.uvs, in.alpha) {
+        discard;
+    }
+#endif
+    return vec4f(share_at(in.p_in_view, vec2u(in.clip.xy)));
+}
+
+// The same for the middle of a texel.
+@fragment
+fn share_of_texel(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let size = vec2f(textureDimensions(shadowed_bits));
+    let place = (position.xy / size * 2.0 - 1.0) * light.half_m;
+    return vec4f(share_at(vec3f(place.x, -place.y, 0.0), vec2u(position.xy)));
+}
+
+// Where a texture lies: its texels are (dot(p, x_axis) + x_offset, dot(p, y_axis) + y_offset), p in view space.
+struct PlanarTexture {
+    x_axis: vec3f,
+    x_offset: f32,
+    y_axis: vec3f,
+    y_offset: f32,
+}
+
+@group(1) @binding(6) var shares: texture_2d<f32>;
+@group(1) @binding(7) var<storage, read> place: PlanarTexture;
+
+@fragment
+fn share_from_texture(in: Varyings) -> @location(0) vec4f {
+#if MASKED
+    if has_hole(in.uvs, in.alpha) {
+        discard;
+    }
+#endif
+    let p = in.p_in_view;
+    let texel = vec2f(dot(p, place.x_axis) + place.x_offset, dot(p, place.y_axis) + place.y_offset) - 0.5;
+    let last = vec2f(textureDimensions(shares)) - 1.0;
+    let low = clamp(floor(texel), vec2f(0.0), last);
+    let high = vec2u(clamp(floor(texel) + 1.0, vec2f(0.0), last));
+    let a = textureLoad(shares, vec2u(low), 0).r;
+    let b = textureLoad(shares, vec2u(high.x, u32(low.y)), 0).r;
+    let c = textureLoad(shares, vec2u(u32(low.x), high.y), 0).r;
+    let d = textureLoad(shares, high, 0).r;
+    let blend = saturate(texel - low);
+    return vec4f(mix(mix(a, b, blend.x), mix(c, d, blend.x), blend.y));
+}
+
+#else
+
+#if MASKED
+#import common/alpha_mask
+
+// A corner of a triangle with holes.
+struct MaskedCorner {
+    // From its caster's middle.
+    position: vec3f,
+    caster: u32,
+    // Transformed.
+    uv: vec2f,
+    // What the texture's alpha is multiplied by.
+    alpha: f32,
+    // Holes are where alpha is below.
+    cutoff: f32,
+    // How alpha is read: see common/alpha_mask.
+    reading: u32,
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
+}
+
+@group(1) @binding(0) var<storage, read> corners: array<MaskedCorner>;
+#if BASE_COLOR_TEXTURE
+@group(1) @binding(2) var base_color_image: texture_2d<f32>;
+#endif
+#else
+// Corners from their caster's middle; w is the caster's number, as bits.
+@group(1) @binding(0) var<storage, read> corners: array<vec4f>;
+#endif
+// For every point of the light, one for each caster: onto the receiver's plane as the light sees it there, and from
+// there to clip space.
+@group(1) @binding(1) var<storage, read> clip_from_caster: array<mat4x4f>;
+
+struct Varyings {
+    @builtin(position) clip: vec4f,
+#if MASKED
+    @location(0) uv: vec2f,
+    @location(1) alpha: f32,
+    @location(2) @interpolate(flat, first) cutoff: f32,
+    @location(3) @interpolate(flat, first) reading: u32,
+#endif
+}
+
+@vertex
+fn flatten(@builtin(vertex_index) index: u32, @builtin(instance_index) first_caster: u32) -> Varyings {
+    let corner = corners[index];
+    var out: Varyings;
+#if MASKED
+    out.clip = clip_from_caster[first_caster + corner.caster] * vec4f(corner.position, 1.0);
+    out.uv = corner.uv;
+    out.alpha = corner.alpha;
+    out.cutoff = corner.cutoff;
+    out.reading = corner.reading;
+#else
+    out.clip = clip_from_caster[first_caster + bitcast<u32>(corner.w)] * vec4f(corner.xyz, 1.0);
+#endif
+    return out;
+}
+
+// The blend constant says which bit.
+@fragment
+fn mark_shadow(in: Varyings) -> @location(0) vec4f {
+#if MASKED
+    var alpha = in.alpha;
+#if BASE_COLOR_TEXTURE
+    alpha *= mask_alpha(base_color_image, in.uv, in.reading);
+#endif
+    if alpha < in.cutoff {
+        discard;
+    }
+#endif
+    return vec4f(1.0);
+}
+#endif
