@@ -45,6 +45,7 @@ pub mod prelude {
         Scene, Scope, ShadowNode, Skin, SurfaceFunction, Track, Transform,
     };
     pub use shadowgraph_nodes::{
-        self, Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, ShadowVolumeHard, Terminator,
+        self, Apply, Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, Quality,
+        ShadowVolumeHard, ShadowVolumeSoft, Terminator,
     };
 }

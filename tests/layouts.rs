@@ -77,11 +77,30 @@ fn masked_volumes() {
     }
 }
 
+#[test]
+fn soft_lights() {
+    for (structure, rust) in shadowgraph_nodes::soft_layouts() {
+        let rust = owned(rust);
+        let (wgsl, stride) = wgsl_layout(&parse("shadow_volume_soft", &["CASTERS"]), structure);
+        assert_eq!(rust, wgsl, "{structure}: Rust left, soft_light.wgsl right");
+        assert_eq!(rust.1, stride, "{structure} in an array");
+    }
+}
+
 /// A structure that a shader binds and no test compares would drift unseen.
 #[test]
 fn every_structure_bound_as_data_is_compared() {
-    let compared =
-        ["Frame", "Instance", "Light", "MaskedCasters", "MaskedCone", "MaskedTriangle", "Material", "Volume"];
+    let compared = [
+        "Frame",
+        "Instance",
+        "Light",
+        "MaskedCasters",
+        "MaskedCone",
+        "MaskedTriangle",
+        "Material",
+        "SoftCasters",
+        "Volume",
+    ];
     for name in shadowgraph_shaders::names() {
         let module = parse(name, &[]);
         for (_, variable) in module.global_variables.iter() {

@@ -21,6 +21,7 @@ const USED: &[(&str, &[&str], &[&str])] = &[
         &[],
         &["vertex", "fullscreen_vertex", "count", "count_front", "count_back", "darken_counted"],
     ),
+    ("shadow_volume_soft", &["CASTERS", "DEEP"], &["fullscreen_vertex", "sampled"]),
     ("surface_depth", &[], &["vertex"]),
     ("surface_factor", &["COUNTS", "VISIBILITY", "MASKED", "OWN_SHADOW"], &["vertex", "factor"]),
     (

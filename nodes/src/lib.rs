@@ -4,16 +4,19 @@
 
 pub mod common;
 mod shadow_volume_hard;
+mod shadow_volume_soft;
 
 use shadowgraph_engine::shadow::Catalog;
 
 pub use shadow_volume_hard::{
     Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, ShadowVolumeHard, Terminator,
 };
+pub use shadow_volume_soft::{Apply, Quality, ShadowVolumeSoft, layouts as soft_layouts};
 
 /// A catalog with every technique of this crate.
 pub fn catalog() -> Catalog {
     let mut catalog = Catalog::new();
     catalog.register(ShadowVolumeHard::ENTRY);
+    catalog.register(ShadowVolumeSoft::ENTRY);
     catalog
 }
