@@ -48,7 +48,7 @@ pub mod prelude {
         Scene, Scope, ShadowNode, Skin, SurfaceFunction, Track, Transform,
     };
     pub use shadowgraph_nodes::{
-        self, Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, PlanarMode, ShadowVolumeHard,
-        SoftShadow, Terminator,
+        self, Apply, Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, PlanarMode, Quality,
+        ShadowVolumeHard, ShadowVolumeSoft, SoftShadow, Terminator,
     };
 }

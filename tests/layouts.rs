@@ -93,6 +93,16 @@ fn planar_shadows() {
     }
 }
 
+#[test]
+fn soft_lights() {
+    for (structure, rust) in shadowgraph_nodes::soft_layouts() {
+        let rust = owned(rust);
+        let (wgsl, stride) = wgsl_layout(&parse("shadow_volume_soft", &["CASTERS"]), structure);
+        assert_eq!(rust, wgsl, "{structure}: Rust left, soft_light.wgsl right");
+        assert_eq!(rust.1, stride, "{structure} in an array");
+    }
+}
+
 /// A structure that a shader binds and no test compares would drift unseen.
 #[test]
 fn every_structure_bound_as_data_is_compared() {
@@ -107,6 +117,7 @@ fn every_structure_bound_as_data_is_compared() {
         "MaskedCone",
         "MaskedTriangle",
         "Material",
+        "SoftCasters",
         "Volume",
     ];
     for name in shadowgraph_shaders::names() {

@@ -33,6 +33,7 @@ const USED: &[(&str, &[&str], &[&str])] = &[
             "share_from_texture if RECEIVER",
         ],
     ),
+    ("shadow_volume_soft", &["CASTERS", "DEEP"], &["fullscreen_vertex", "sampled"]),
     ("surface_depth", &[], &["vertex"]),
     ("surface_factor", &["COUNTS", "VISIBILITY", "MASKED", "OWN_SHADOW"], &["vertex", "factor"]),
     (

@@ -4,6 +4,7 @@
 
 pub mod common;
 mod shadow_volume_hard;
+mod shadow_volume_soft;
 mod soft_shadow;
 
 use shadowgraph_engine::shadow::Catalog;
@@ -11,6 +12,7 @@ use shadowgraph_engine::shadow::Catalog;
 pub use shadow_volume_hard::{
     Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, ShadowVolumeHard, Terminator,
 };
+pub use shadow_volume_soft::{Apply, Quality, ShadowVolumeSoft, layouts as soft_layouts};
 
 pub use soft_shadow::{
     Flat, MAX_RESOLUTION, MAX_SAMPLES, MaskedCorner, NotPlanar, PlanarLight, PlanarMode, PlanarTexture,
@@ -21,6 +23,7 @@ pub use soft_shadow::{
 pub fn catalog() -> Catalog {
     let mut catalog = Catalog::new();
     catalog.register(ShadowVolumeHard::ENTRY);
+    catalog.register(ShadowVolumeSoft::ENTRY);
     catalog.register(SoftShadow::ENTRY);
     catalog
 }

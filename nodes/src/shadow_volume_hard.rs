@@ -27,7 +27,7 @@
 
 mod draws;
 mod float_counts;
-mod options;
+pub(crate) mod options;
 
 use std::sync::Arc;
 
@@ -283,7 +283,7 @@ impl ShadowVolumeHard {
     }
 
     /// The triangles the caster casts with: its own, and those that close it where it is open.
-    fn cast_shape<'a>(
+    pub(crate) fn cast_shape<'a>(
         &self,
         light: &mut LightPlan<'a>,
         instance: &'a Instance,
@@ -408,7 +408,7 @@ const TOO_MANY_LIGHTS: &str =
     "terminator=smooth leaves it as it is: only the first 32 lights of a scene can have smooth terminators";
 
 /// One note for each reason, not for each caster.
-fn note_left_out(light: &mut LightPlan<'_>, left_out: &[(&Instance, &'static str)]) {
+pub(crate) fn note_left_out(light: &mut LightPlan<'_>, left_out: &[(&Instance, &'static str)]) {
     let mut reasons: Vec<&str> = left_out.iter().map(|(_, reason)| *reason).collect();
     reasons.sort_unstable();
     reasons.dedup();

@@ -46,6 +46,11 @@ impl LightGrid {
         Self { planes: light_planes(light, bounds), cells_per_side: 1 }
     }
 
+    /// A grid over these planes.
+    pub fn from_planes(planes: Vec<LightPlane>, cells_per_side: usize) -> Self {
+        Self { planes, cells_per_side: cells_per_side.max(1) }
+    }
+
     /// The same planes with `cells_per_side` cells (1 at least) along a side of each.
     #[must_use]
     pub fn with_cells_per_side(self, cells_per_side: usize) -> Self {
@@ -65,16 +70,27 @@ impl LightGrid {
     /// For each plane the triangle may be seen on: its number, and the cells of the footprint's bounding rectangle.
     pub fn cells_of(&self, corners: [DVec3; 3]) -> impl Iterator<Item = (usize, CellRange)> + use<'_> {
         let planes = self.planes.iter().enumerate();
-        planes.filter_map(move |(i, plane)| Some((i, self.rectangle(&plane.project(corners))?)))
+        planes.filter_map(move |(i, plane)| Some((i, self.rectangle(&plane.project(corners), CELL_MARGIN)?)))
     }
 
     /// Calls `visit` with (column, row) of every cell of plane number `plane` that the triangle may be seen in: those
     /// of its bounding rectangle that none of its edges leaves outside.
-    pub fn for_each_cell(&self, plane: usize, corners: [DVec3; 3], mut visit: impl FnMut([usize; 2])) {
+    pub fn for_each_cell(&self, plane: usize, corners: [DVec3; 3], visit: impl FnMut([usize; 2])) {
+        self.for_each_cell_within(plane, corners, CELL_MARGIN, visit);
+    }
+
+    /// The same with the triangle's footprint enlarged by `margin` of a cell.
+    pub fn for_each_cell_within(
+        &self,
+        plane: usize,
+        corners: [DVec3; 3],
+        margin: f64,
+        mut visit: impl FnMut([usize; 2]),
+    ) {
         let footprint = self.planes[plane].project(corners);
-        let Some(CellRange { low, high }) = self.rectangle(&footprint) else { return };
+        let Some(CellRange { low, high }) = self.rectangle(&footprint, margin) else { return };
         let edges = match footprint {
-            Footprint::Triangle(projected) => self.edges(projected),
+            Footprint::Triangle(projected) => self.edges(projected, margin),
             Footprint::Nothing | Footprint::Everything => [(DVec2::ZERO, 0.0); 3],
         };
         let last = self.cells_per_side - 1;
@@ -92,17 +108,17 @@ impl LightGrid {
 
     /// For each edge of a projected triangle the outward normal, and how far along it a cell's middle may lie for the
     /// cell to reach over the edge; in cells.
-    fn edges(&self, projected: [DVec2; 3]) -> [(DVec2, f64); 3] {
+    fn edges(&self, projected: [DVec2; 3], margin: f64) -> [(DVec2, f64); 3] {
         let [a, b, c] = projected.map(|p| (p * 0.5 + 0.5) * self.cells_per_side as f64);
         let turn = (b - a).perp_dot(c - a);
         [(a, b), (b, c), (c, a)].map(|(p, q)| {
             let normal = (q - p).perp() * -turn.signum();
-            let reach = (0.5 + CELL_MARGIN) * (normal.x.abs() + normal.y.abs());
+            let reach = (0.5 + margin) * (normal.x.abs() + normal.y.abs());
             (normal, normal.dot(p) + reach)
         })
     }
 
-    fn rectangle(&self, footprint: &Footprint) -> Option<CellRange> {
+    fn rectangle(&self, footprint: &Footprint, margin: f64) -> Option<CellRange> {
         let last = self.cells_per_side - 1;
         // `as` saturates, so that far-away coordinates clamp instead of wrapping.
         let cell = |ndc: f64, margin: f64| {
@@ -115,8 +131,8 @@ impl LightGrid {
             Footprint::Triangle([a, b, c]) => {
                 let (low, high) = (a.min(*b).min(*c), a.max(*b).max(*c));
                 Some(CellRange {
-                    low: low.to_array().map(|ndc| cell(ndc, -CELL_MARGIN)),
-                    high: high.to_array().map(|ndc| cell(ndc, CELL_MARGIN)),
+                    low: low.to_array().map(|ndc| cell(ndc, -margin)),
+                    high: high.to_array().map(|ndc| cell(ndc, margin)),
                 })
             }
         }

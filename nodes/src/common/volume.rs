@@ -98,7 +98,7 @@ impl CastShape<'_> {
     }
 
     /// The signs without those of triangles that have holes or let light through.
-    fn whole_only(&self, instance: &Instance, mut signs: Vec<i8>) -> Vec<i8> {
+    pub fn whole_only(&self, instance: &Instance, mut signs: Vec<i8>) -> Vec<i8> {
         let own = instance.mesh.triangle_count();
         for (part, material) in instance.mesh.data().parts.iter().zip(&instance.materials) {
             let (start, end) = (part.triangles.start as usize, part.triangles.end as usize);

@@ -114,16 +114,16 @@ pub struct ShadowVolumeHard {
 
 /// The type name scenes use.
 pub(super) const TYPE_NAME: &str = "ShadowVolumeHard";
-const DEPTH_TESTS: &[(&str, DepthTest)] =
+pub(crate) const DEPTH_TESTS: &[(&str, DepthTest)] =
     &[("auto", DepthTest::Auto), ("zpass", DepthTest::ZPass), ("zfail", DepthTest::ZFail)];
-const GEOMETRIES: &[(&str, GeometryMode)] =
+pub(crate) const GEOMETRIES: &[(&str, GeometryMode)] =
     &[("auto", GeometryMode::Auto), ("closed", GeometryMode::Closed), ("open", GeometryMode::Open)];
-const CLOSURES: &[(&str, Closure)] =
+pub(crate) const CLOSURES: &[(&str, Closure)] =
     &[("none", Closure::None), ("cap", Closure::Cap), ("backfaces", Closure::Backfaces)];
 const PASSES: &[(&str, Passes)] = &[("multi", Passes::Multi), ("single", Passes::SINGLE)];
 const EXTRUSIONS: &[(&str, Extrusion)] =
     &[("auto", Extrusion::Auto), ("infinite", Extrusion::Infinite), ("toBounds", Extrusion::ToBounds)];
-const COUNTERS: &[(&str, CounterKind)] =
+pub(crate) const COUNTERS: &[(&str, CounterKind)] =
     &[("auto", CounterKind::Auto), ("stencil8", CounterKind::Stencil8), ("float", CounterKind::Float)];
 const TERMINATORS: &[(&str, Terminator)] =
     &[("geometric", Terminator::Geometric), ("smooth", Terminator::Smooth)];
@@ -250,7 +250,8 @@ impl ShadowVolumeHard {
     }
 }
 
-fn name_of<T: PartialEq>(values: &[(&'static str, T)], value: &T) -> ParamValue {
+/// The name of `value` among `values`, as scenes have it.
+pub(crate) fn name_of<T: PartialEq>(values: &[(&'static str, T)], value: &T) -> ParamValue {
     let name = values.iter().find(|(_, v)| v == value).map_or("", |(name, _)| name);
     ParamValue::Text(name.into())
 }

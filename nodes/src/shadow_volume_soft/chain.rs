@@ -1,0 +1,295 @@
+//! A caster as points on a receiver see it: the edges that can be silhouettes for some of them, and the triangles.
+//!
+//! For a receiver's point p let s_T(p) = ±1 be the side of triangle T's plane that p lies on. The number of triangles
+//! between p and a sample s of the light changes along any path of s only where the segment crosses an edge e, by
+//! m_e(p) = Σ σ(T, e)·s_T(p) over the triangles at e: the chain of a shadow volume, with p for the light. So it is known at
+//! s when it is known at the light's centre, from the edges that the triangle (p; centre, s) meets. That holds for *any*
+//! integers s_T(p), so p's own triangle and those coplanar with it, for which s_T(p) = 0, simply drop out.
+//!
+//! *Which edges.* Where both triangles of an edge have the whole light on one same side, m_e(p) ≠ 0 says that p is on that
+//! side of one of them; then so is the way to every sample, and it does not meet the edge. All other edges are kept.
+//!
+//! *Solids.* Where the light is outside a solid, only triangles whose outer side the light sees count: p is behind them
+//! ([`Half::Lit`]).
+//!
+//! *Near triangles.* A triangle close to the light may be met beyond it or in it. Those are left out of the
+//! chain, which any subset of triangles is closed for, and asked one by one.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec3, DVec4, Vec3};
+use shadowgraph_engine::scene::Instance;
+
+use crate::common::volume::{CastShape, Half};
+
+/// `struct SoftEdge` of soft_light.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[allow(missing_docs, reason = "documented where the shader reads them")]
+pub(super) struct SoftEdge {
+    pub a: [f32; 3],
+    pub caster: u32,
+    pub b: [f32; 3],
+    pub bits: u32,
+    pub plane_1: [f32; 4],
+    pub plane_2: [f32; 4],
+}
+
+/// `struct SoftTriangle` of soft_light.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[allow(missing_docs, reason = "documented where the shader reads them")]
+pub(super) struct SoftTriangle {
+    pub a: [f32; 3],
+    pub caster: u32,
+    pub b: [f32; 3],
+    pub bits: u32,
+    pub c: [f32; 3],
+    pub pad_0: u32,
+    pub plane: [f32; 4],
+}
+
+/// The first triangle runs against the edge.
+pub(super) const AGAINST_1: u32 = 1;
+/// The second triangle runs against the edge.
+pub(super) const AGAINST_2: u32 = 2;
+/// The triangles count for points behind their planes only.
+pub(super) const BEHIND_ONLY: u32 = 4;
+/// The triangle's plane faces the other way than its corners a, b, c run.
+pub(super) const TURNED: u32 = 1;
+/// The light's centre is before the triangle's plane.
+pub(super) const CENTER_BEFORE: u32 = 8;
+/// The light's centre is behind the triangle's plane.
+pub(super) const CENTER_BEHIND: u32 = 16;
+
+/// The light as a ball about its centre that no disc leaves, whichever receiver it is turned to; or as a cone of directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LightBall {
+    /// (centre, 1), or (unit direction towards it, 0).
+    pub position: DVec4,
+    /// Its radius in metres; for w = 0 the tangent of half the angle it is seen under.
+    pub radius: f64,
+}
+
+impl LightBall {
+    /// On which side of the plane {x : normal·x = normal·through} the whole light lies; 0 where the plane cuts it.
+    pub(super) fn side(&self, normal: DVec3, through: DVec3) -> i32 {
+        let to_center = self.position.truncate() - through * self.position.w;
+        let height = normal.dot(to_center);
+        let reach = if self.position.w == 0.0 {
+            self.radius * (normal - to_center * height).length()
+        } else {
+            self.radius
+        };
+        // 1e-6: far above what f64 loses, and no edge more for it.
+        if height.abs() <= reach * (1.0 + 1e-6) + 1e-9 * to_center.length() {
+            return 0;
+        }
+        if height > 0.0 { 1 } else { -1 }
+    }
+
+    /// How near the segment from `a` to `b` comes to the centre; infinite for directional lights.
+    pub(super) fn distance_to_segment(&self, a: DVec3, b: DVec3) -> f64 {
+        if self.position.w == 0.0 {
+            return f64::INFINITY;
+        }
+        let (to_a, along) = (a - self.position.truncate(), b - a);
+        let t = (-to_a.dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        (to_a + along * t).length()
+    }
+
+    /// How near a triangle comes to the centre; infinite for directional lights.
+    pub(super) fn distance_to_triangle(&self, [a, b, c]: [DVec3; 3]) -> f64 {
+        if self.position.w == 0.0 {
+            return f64::INFINITY;
+        }
+        let center = self.position.truncate();
+        let normal = (b - a).cross(c - a);
+        let above = |p: DVec3, q: DVec3| normal.cross(q - p).dot(center - p) >= 0.0;
+        if above(a, b) && above(b, c) && above(c, a) && normal != DVec3::ZERO {
+            return normal.normalize().dot(center - a).abs();
+        }
+        [(a, b), (b, c), (c, a)]
+            .map(|(p, q)| self.distance_to_segment(p, q))
+            .into_iter()
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether a triangle is left out of the chain: it comes close to the light, or it is seen from there so wide that
+    /// an edge of it may be met before the light and beyond it.
+    fn is_near(&self, corners: [DVec3; 3]) -> bool {
+        if self.position.w == 0.0 {
+            return false;
+        }
+        let center = self.position.truncate();
+        let towards = corners.map(|corner| (corner - center).normalize_or_zero());
+        let wide = |i: usize, j: usize| towards[i].dot(towards[j]) < 0.5;
+        wide(0, 1) || wide(1, 2) || wide(2, 0) || self.distance_to_triangle(corners) < NEAR * self.radius
+    }
+}
+
+/// Triangles nearer to the light's centre than this many radii of its ball are asked one by one.
+const NEAR: f64 = 3.0;
+
+/// A triangle of a caster, as the shader reads it and as it stands in the world.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ChainTriangle {
+    /// What the shader reads; `caster` is not yet set.
+    pub record: SoftTriangle,
+    /// Its corners in the world.
+    pub corners: [DVec3; 3],
+    /// Left out of the chain, to be asked by itself.
+    pub near: bool,
+}
+
+/// An edge of a caster that may be a silhouette.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ChainEdge {
+    /// What the shader reads; `caster` is not yet set.
+    pub record: SoftEdge,
+    /// Its ends in the world.
+    pub ends: [DVec3; 2],
+}
+
+/// One caster of one light.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CasterChain {
+    /// What the positions of its records are relative to, in the world.
+    pub center: DVec3,
+    /// The triangles that cast.
+    pub triangles: Vec<ChainTriangle>,
+    /// The edges of those that are not near, where these can be silhouettes.
+    pub edges: Vec<ChainEdge>,
+}
+
+/// A triangle's plane on the way.
+#[derive(Clone, Copy)]
+struct Face {
+    /// Unit normal and offset relative to the caster's centre, outwards where only triangles behind count.
+    plane: [f32; 4],
+    /// How the plane's normal goes with the triangle's own winding: ±1.
+    orient: i32,
+    /// The light's side of it.
+    light_side: i32,
+    near: bool,
+}
+
+impl CasterChain {
+    /// The chain of `instance` with the triangles of `shape`, for `light`. `half` is `Both` or `Lit`.
+    pub(super) fn new(instance: &Instance, shape: &CastShape<'_>, light: &LightBall, half: Half) -> Self {
+        let topology = shape.topology();
+        let center = instance.world_bounds.center();
+        let in_world: Vec<DVec3> = (0..instance.mesh.positions().len() as u32)
+            .map(|vertex| instance.world_position(vertex))
+            .collect();
+        let signs = shape.whole_only(instance, vec![1; topology.triangles().len()]);
+        let orientation = match (half, shape) {
+            (Half::Lit, CastShape::Own(_) | CastShape::Capped(_)) => {
+                topology.orientation(&instance.world_from_local)
+            }
+            _ => None,
+        };
+        let mut chain = Self { center, ..Self::default() };
+        let mut faces: Vec<Option<Face>> = Vec::with_capacity(signs.len());
+        for (number, (corners, sign)) in topology.triangles().iter().zip(&signs).enumerate() {
+            let orient = orientation.as_ref().map_or(1, |orientation| i32::from(orientation.sign(number)));
+            let corners = corners.map(|vertex| in_world[vertex as usize]);
+            let face = if *sign == 0 || orient == 0 { None } else { face(corners, center, orient, light) };
+            if let Some(face) = &face {
+                let record = triangle_record(corners, center, face, light, half);
+                chain.triangles.push(ChainTriangle { record, corners, near: face.near });
+            }
+            faces.push(face.filter(|face| !face.near));
+        }
+        for (number, edge) in topology.edges().iter().enumerate() {
+            let ends = [edge.p, edge.q].map(|vertex| in_world[vertex as usize]);
+            let uses = topology.uses(number).iter();
+            let uses: Vec<(i32, Face)> = uses
+                .filter_map(|use_of| Some((use_of.sigma, faces[use_of.triangle as usize]?)))
+                .map(|(sigma, face)| (sigma * face.orient, face))
+                .collect();
+            chain.add_edge(ends, uses, half);
+        }
+        chain
+    }
+
+    /// The edge between `ends` with these triangles, two by two: those first that run against each other.
+    fn add_edge(&mut self, ends: [DVec3; 2], uses: Vec<(i32, Face)>, half: Half) {
+        let (mut along, mut against): (Vec<_>, Vec<_>) = uses.into_iter().partition(|(sigma, _)| *sigma > 0);
+        loop {
+            let pair = match (along.pop(), against.pop()) {
+                (None, None) => return,
+                (Some(first), Some(second)) => (first, Some(second)),
+                (Some(first), None) => (first, along.pop()),
+                (None, Some(first)) => (first, against.pop()),
+            };
+            let ((sigma, face), second) = pair;
+            if let Some((other_sigma, other)) = second {
+                let same = sigma * face.light_side == -other_sigma * other.light_side;
+                let opposed = half == Half::Both || sigma == -other_sigma;
+                if same && opposed && face.light_side != 0 {
+                    continue;
+                }
+            }
+            let [p, q] = ends.map(|end| rounded(end - self.center));
+            let turned = q.to_array() < p.to_array();
+            let (a, b) = if turned { (q, p) } else { (p, q) };
+            let against = |sigma: i32| (sigma < 0) != turned;
+            let mut bits = if half == Half::Both { 0 } else { BEHIND_ONLY };
+            bits |= if against(sigma) { AGAINST_1 } else { 0 };
+            bits |= second.map_or(0, |(sigma, _)| if against(sigma) { AGAINST_2 } else { 0 });
+            let record = SoftEdge {
+                a: a.to_array(),
+                caster: 0,
+                b: b.to_array(),
+                bits,
+                plane_1: face.plane,
+                plane_2: second.map_or([0.0; 4], |(_, face)| face.plane),
+            };
+            self.edges.push(ChainEdge { record, ends });
+        }
+    }
+}
+
+/// To f32, with one zero only.
+fn rounded(p: DVec3) -> Vec3 {
+    p.as_vec3() + 0.0
+}
+
+fn face(corners: [DVec3; 3], center: DVec3, orient: i32, light: &LightBall) -> Option<Face> {
+    let [a, b, c] = corners;
+    // The product of two edges from the corner between the shorter ones is the least rounded; scaled, so that tiny
+    // triangles keep theirs.
+    let (ab, ac) = (b - a, c - a);
+    let size = ab.abs().max_element().max(ac.abs().max_element());
+    let normal = (ab / size).cross(ac / size).try_normalize()? * f64::from(orient);
+    Some(Face {
+        plane: normal.extend(normal.dot(a - center)).as_vec4().to_array(),
+        orient,
+        light_side: light.side(normal, a),
+        near: light.is_near(corners),
+    })
+}
+
+fn triangle_record(
+    corners: [DVec3; 3],
+    center: DVec3,
+    face: &Face,
+    light: &LightBall,
+    half: Half,
+) -> SoftTriangle {
+    let mut sorted = corners.map(|corner| rounded(corner - center));
+    let mut even = true;
+    for (i, j) in [(0, 1), (1, 2), (0, 1)] {
+        if sorted[j].to_array() < sorted[i].to_array() {
+            sorted.swap(i, j);
+            even = !even;
+        }
+    }
+    let normal = Vec3::from_slice(&face.plane).as_dvec3();
+    let height = normal.dot(light.position.truncate() - corners[0] * light.position.w);
+    let mut bits = if even == (face.orient > 0) { 0 } else { TURNED };
+    bits |= if half == Half::Both { 0 } else { BEHIND_ONLY };
+    bits |= if height > 0.0 { CENTER_BEFORE } else { CENTER_BEHIND };
+    let [a, b, c] = sorted.map(|corner| corner.to_array());
+    SoftTriangle { a, caster: 0, b, bits, c, pad_0: 0, plane: face.plane }
+}

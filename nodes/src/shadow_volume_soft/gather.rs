@@ -1,0 +1,410 @@
+//! What all qualities gather for a light: its casters' chains, lists over them, and the buffers the shaders read.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
+use glam::DVec3;
+use shadowgraph_engine::math::Aabb;
+use shadowgraph_engine::plan::{Binding, BufferUsage};
+use shadowgraph_engine::scene::Instance;
+use shadowgraph_engine::shadow::{LightPlan, ShadowError, hash_of};
+
+use super::ShadowVolumeSoft;
+use super::chain::{CasterChain, LightBall, SoftEdge, SoftTriangle};
+use super::lists::{MAX_SLICES, SoftGrid, clusters};
+use crate::GeometryMode;
+use crate::common::masked::{GridPlane, Layout};
+use crate::common::volume::{CastShape, Half};
+use crate::shadow_volume_hard::note_left_out;
+
+/// `struct SoftCluster` of soft_light.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[allow(missing_docs, reason = "documented where the shader reads them")]
+pub(super) struct SoftCluster {
+    pub center: [f32; 3],
+    pub radius_m: f32,
+    pub first: u32,
+    pub end: u32,
+    pub caster: u32,
+    pub pad_0: u32,
+}
+
+/// The head of `struct SoftCasters` of soft_light.wgsl, which its casters follow.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[allow(missing_docs, reason = "documented where the shader reads them")]
+pub(super) struct SoftHead {
+    pub world_x: [f32; 3],
+    pub plane_count: u32,
+    pub world_y: [f32; 3],
+    pub side: u32,
+    pub world_z: [f32; 3],
+    pub slice_count: u32,
+    pub light: [f32; 4],
+    pub origin: [f32; 3],
+    pub radius: f32,
+    pub near_clusters: u32,
+    pub cluster_count: u32,
+    pub sample_count: u32,
+    pub pad_0: u32,
+    pub slice_ends: [f32; MAX_SLICES],
+    pub planes: [GridPlane; 6],
+}
+
+/// Every structure of the shader as it is here: what the layout test compares.
+pub fn layouts() -> [(&'static str, Layout); 4] {
+    macro_rules! fields {
+        ($type:ty: $($field:ident),*) => { vec![$((stringify!($field), std::mem::offset_of!($type, $field))),*] };
+    }
+    let edge = fields!(SoftEdge: a, caster, b, bits, plane_1, plane_2);
+    let triangle = fields!(SoftTriangle: a, caster, b, bits, c, pad_0, plane);
+    let cluster = fields!(SoftCluster: center, radius_m, first, end, caster, pad_0);
+    let mut head = fields!(SoftHead:
+        world_x, plane_count, world_y, side, world_z, slice_count, light, origin, radius,
+        near_clusters, cluster_count, sample_count, pad_0, slice_ends, planes);
+    head.push(("casters", size_of::<SoftHead>()));
+    [
+        ("SoftEdge", (edge, size_of::<SoftEdge>())),
+        ("SoftTriangle", (triangle, size_of::<SoftTriangle>())),
+        ("SoftCluster", (cluster, size_of::<SoftCluster>())),
+        // A runtime-sized array counts as one element.
+        ("SoftCasters", (head, size_of::<SoftHead>() + size_of::<[f32; 4]>())),
+    ]
+}
+
+/// A disc is at most this much larger than the light's radius for receivers no nearer than two radii: 2/√3. Nearer
+/// receivers ask all triangles.
+const LARGEST_DISC: f64 = 1.154_700_538_379_252;
+
+/// What the shaders read of a light and its casters.
+#[derive(Default)]
+pub(super) struct Gathered {
+    /// Bindings 0 of the light, 1 to 4 of casters if there are any (edges, triangles, lists, clusters), 6 and 7 of
+    /// receivers (depth, normals).
+    pub(super) bindings: Vec<(u32, Binding)>,
+    /// How many casters there are.
+    pub(super) casters: usize,
+    /// How many edges can be silhouettes.
+    pub(super) edges: usize,
+    /// How many triangles cast.
+    pub(super) triangles: usize,
+    /// A bound on how many triangles one segment to the light can cross.
+    pub(super) most_layers: u32,
+}
+
+/// Everything about a light's casters that does not depend on the eye.
+struct Chains {
+    edges: Arc<Vec<u8>>,
+    triangles: Arc<Vec<u8>>,
+    lists: Arc<Vec<u8>>,
+    clusters: Arc<Vec<u8>>,
+    near_clusters: usize,
+    cluster_count: usize,
+    edge_count: usize,
+    triangle_count: usize,
+    grid: SoftGrid,
+    centers: Vec<DVec3>,
+}
+
+impl ShadowVolumeSoft {
+    /// Gathers what casts for this light. Without casters, what is left is the light itself, which surfaces still see
+    /// partly beyond their horizon.
+    pub(super) fn gather(&self, light: &mut LightPlan<'_>) -> Result<Gathered, ShadowError> {
+        let ball = self.ball(light);
+        let mut left_out = Vec::new();
+        let mut chains: Vec<(Arc<CasterChain>, u64)> = Vec::new();
+        let mut bounds = Aabb::EMPTY;
+        for (_, instance) in light.casters() {
+            if instance.materials.iter().any(|material| material.casts_by_texel()) {
+                return Err(light.unsupported(format!(
+                    "'{}' has alpha-masked parts, and lights with a size see no holes in casters (accepted for them: \
+                     radius=0, angle=0)",
+                    instance.name
+                )));
+            }
+            let whole: Vec<bool> = instance.materials.iter().map(|material| material.casts_whole()).collect();
+            if !whole.contains(&true) {
+                continue;
+            }
+            if let Err(reason) = self.may_matter(light, &ball, instance) {
+                left_out.push((instance, reason));
+                continue;
+            }
+            let shape = self.hard().cast_shape(light, instance)?;
+            let half = self.half(light, &ball, instance, &shape)?;
+            let ball_bits = [ball.position.x, ball.position.y, ball.position.z, ball.position.w, ball.radius];
+            let key = hash_of((instance.pose_key, ball_bits.map(f64::to_bits), half, self.closure, &whole));
+            let chain = light
+                .cache
+                .get_or_compute("soft chain", key, || CasterChain::new(instance, &shape, &ball, half));
+            if chain.triangles.is_empty() {
+                left_out.push((instance, "has no triangle with an area"));
+                continue;
+            }
+            bounds = bounds.union(&instance.world_bounds);
+            chains.push((chain, key));
+        }
+        note_left_out(light, &left_out);
+        if chains.is_empty() {
+            return Ok(self.bind(light, None));
+        }
+        let receivers = light.posed.world_bounds;
+        let keys: Vec<u64> = chains.iter().map(|(_, key)| *key).collect();
+        let key = hash_of((
+            &keys,
+            [receivers.min, receivers.max].map(|corner| corner.to_array().map(f64::to_bits)),
+        ));
+        let gathered = light.cache.get_or_compute("soft chains", key, || {
+            let grid = SoftGrid::new(ball, &bounds, &receivers);
+            Chains::new(grid, chains.iter().map(|(chain, _)| chain.as_ref()))
+        });
+        Ok(self.bind(light, Some((&gathered, key))))
+    }
+
+    /// The light as a ball that holds every disc it is seen as from further away than two radii.
+    fn ball(&self, light: &LightPlan<'_>) -> LightBall {
+        let (position, size) = (light.light().position, self.size());
+        let radius = if position.w == 0.0 { size.half_angle_rad.tan() } else { size.radius_m * LARGEST_DISC };
+        LightBall { position, radius }
+    }
+
+    /// Whether a caster may hide part of the light from something in view.
+    fn may_matter(
+        &self,
+        light: &LightPlan<'_>,
+        ball: &LightBall,
+        instance: &Instance,
+    ) -> Result<(), &'static str> {
+        let bounds = instance.world_bounds;
+        // Bounds grown by as far as the way to a sample may be from the way to the centre.
+        let reach_m = if ball.position.w == 0.0 {
+            2.0 * light.posed.world_bounds.union(&light.view.receiver_bounds).radius() * ball.radius
+        } else if light.view.receiver_bounds.distance(ball.position.truncate()) > 2.0 * ball.radius {
+            2.0 * ball.radius
+        } else {
+            // From close by, the disc is of any size.
+            let nothing_receives = light.view.receiver_bounds.is_empty();
+            return if nothing_receives { light.may_shadow(&bounds) } else { Ok(()) };
+        };
+        light.may_shadow(&bounds.expanded(reach_m))
+    }
+
+    /// Which of its triangles the caster casts with.
+    fn half(
+        &self,
+        light: &LightPlan<'_>,
+        ball: &LightBall,
+        instance: &Instance,
+        shape: &CastShape<'_>,
+    ) -> Result<Half, ShadowError> {
+        if self.geometry == GeometryMode::Open {
+            return Ok(Half::Both);
+        }
+        // A sheet of faces and their reverses has no inside in which the light could be.
+        if matches!(shape, CastShape::Doubled(_)) {
+            return Ok(Half::Lit);
+        }
+        let refused = |reason: String| match self.geometry {
+            GeometryMode::Closed => {
+                Err(light.unsupported(format!("geometry=closed, but {reason} (accepted for it: auto, open)")))
+            }
+            GeometryMode::Auto | GeometryMode::Open => Ok(Half::Both),
+        };
+        let name = &instance.name;
+        if instance.materials.iter().any(|material| !material.casts_whole()) {
+            return refused(format!("parts of '{name}' are blended or unlit"));
+        }
+        let topology = shape.topology();
+        if topology.orientation(&instance.world_from_local).is_none() {
+            let c = topology.closedness();
+            return refused(format!(
+                "'{name}' is no solid: {} unpaired edges, volume {:.3e} m3",
+                c.unbalanced_edges, c.signed_volume
+            ));
+        }
+        // Bending can push parts of a mesh through others, inside out.
+        let single_sided = instance.materials.iter().any(|material| !material.double_sided);
+        if instance.mesh.is_posed() && single_sided {
+            return Ok(Half::Both);
+        }
+        // From inside the solid, the light would see its walls from behind, which cast nothing in this mode.
+        let outside = ball.position.w == 0.0
+            || instance.world_bounds.distance(ball.position.truncate()) > ball.radius * (1.0 + 1e-6);
+        Ok(if outside { Half::Lit } else { Half::Both })
+    }
+
+    /// Adds the buffers to the plan.
+    fn bind(&self, light: &mut LightPlan<'_>, chains: Option<(&Chains, u64)>) -> Gathered {
+        let name = light.light().name.clone();
+        let eye = light.view.camera.world_from_view.translation;
+        let head = self.head(light, chains.map(|(chains, _)| chains));
+        let centers = chains.map_or(&[DVec3::ZERO][..], |(chains, _)| &chains.centers);
+        let centers: Vec<[f32; 4]> = centers
+            .iter()
+            .map(|center| (*center - eye).as_vec3())
+            .map(|center| center.extend(center.length()).to_array())
+            .collect();
+        let casters = Arc::new([bytes_of(&head), cast_slice(&centers)].concat());
+        let casters_key = hash_of(("soft casters", &casters));
+        let mut storage = |what: &str, key: u64, bytes: &Arc<Vec<u8>>, reason: &str| {
+            let name = format!("{what} of {name}");
+            Binding::Storage(light.buffer(&name, BufferUsage::Storage, key, Arc::clone(bytes), reason))
+        };
+        let reason = "where casters and the light are, as the eye sees them";
+        let mut bindings = vec![(0, storage("soft casters", casters_key, &casters, reason))];
+        let mut gathered = Gathered::default();
+        if let Some((chains, key)) = chains {
+            let of = |what: &str| hash_of((what, key));
+            bindings.extend([
+                (
+                    1,
+                    storage(
+                        "soft edges",
+                        of("soft edges"),
+                        &chains.edges,
+                        "what can be a silhouette before the light",
+                    ),
+                ),
+                (
+                    2,
+                    storage(
+                        "soft triangles",
+                        of("soft triangles"),
+                        &chains.triangles,
+                        "what hides the light's centre",
+                    ),
+                ),
+                (3, storage("soft lists", of("soft lists"), &chains.lists, "which of these matter where")),
+                (
+                    4,
+                    storage(
+                        "soft clusters",
+                        of("soft clusters"),
+                        &chains.clusters,
+                        "triangles for receivers at the light",
+                    ),
+                ),
+            ]);
+            gathered.casters = chains.centers.len();
+            gathered.edges = chains.edge_count;
+            gathered.triangles = chains.triangle_count;
+            gathered.most_layers = chains.triangle_count as u32;
+        }
+        bindings.push((6, Binding::Texture(light.receiver_depth())));
+        bindings.push((7, Binding::Texture(light.receiver_normals())));
+        Gathered { bindings, ..gathered }
+    }
+
+    fn head(&self, light: &LightPlan<'_>, chains: Option<&Chains>) -> SoftHead {
+        let world_from_view = light.view.camera.world_from_view;
+        let (rotation, eye) = (world_from_view.matrix3, world_from_view.translation);
+        let short = |v: DVec3| v.as_vec3().to_array();
+        let (size, position) = (self.size(), light.light().position);
+        let from_eye = position.truncate() - eye * position.w;
+        let mut head = SoftHead {
+            world_x: short(rotation.x_axis),
+            world_y: short(rotation.y_axis),
+            world_z: short(rotation.z_axis),
+            light: from_eye.extend(position.w).as_vec4().to_array(),
+            radius: if position.w == 0.0 { size.half_angle_rad.tan() } else { size.radius_m } as f32,
+            sample_count: self.samples,
+            slice_ends: [f32::MAX; MAX_SLICES],
+            ..SoftHead::zeroed()
+        };
+        let Some(chains) = chains else { return head };
+        let SoftGrid { planes, side, slice_ends, .. } = &chains.grid;
+        for (place, plane) in head.planes.iter_mut().zip(planes) {
+            *place = GridPlane {
+                x_axis: short(plane.x_axis),
+                y_axis: short(plane.y_axis),
+                z_axis: short(plane.z_axis),
+                z_offset: plane.z_offset as f32,
+                away: short(plane.away),
+                ..GridPlane::default()
+            };
+        }
+        head.slice_ends.iter_mut().zip(slice_ends).for_each(|(place, end)| *place = *end as f32);
+        SoftHead {
+            plane_count: planes.len() as u32,
+            side: *side as u32,
+            slice_count: slice_ends.len() as u32,
+            origin: short(planes[0].origin - eye),
+            near_clusters: chains.near_clusters as u32,
+            cluster_count: chains.cluster_count as u32,
+            ..head
+        }
+    }
+}
+
+impl Chains {
+    fn new<'a>(grid: SoftGrid, casters: impl Iterator<Item = &'a CasterChain>) -> Self {
+        let mut edges: Vec<SoftEdge> = Vec::new();
+        let mut ends: Vec<[DVec3; 2]> = Vec::new();
+        // Near triangles come first, cluster by cluster; then those of the chain.
+        let mut near: (Vec<SoftCluster>, Vec<SoftTriangle>, Vec<[DVec3; 3]>) = Default::default();
+        let mut far: (Vec<SoftCluster>, Vec<SoftTriangle>, Vec<[DVec3; 3]>) = Default::default();
+        let mut centers = Vec::new();
+        for (number, chain) in casters.enumerate() {
+            let caster = number as u32;
+            centers.push(chain.center);
+            edges.extend(chain.edges.iter().map(|edge| SoftEdge { caster, ..edge.record }));
+            ends.extend(chain.edges.iter().map(|edge| edge.ends));
+            for (is_near, (clusters_of, records, corners_of)) in [(true, &mut near), (false, &mut far)] {
+                let chosen: Vec<_> =
+                    chain.triangles.iter().filter(|triangle| triangle.near == is_near).collect();
+                let corners: Vec<[DVec3; 3]> = chosen.iter().map(|triangle| triangle.corners).collect();
+                let (order, found) = clusters(&corners);
+                let first = records.len();
+                for cluster in found {
+                    let center = cluster.center - chain.center;
+                    clusters_of.push(SoftCluster {
+                        center: center.as_vec3().to_array(),
+                        // As much as rounding may take.
+                        radius_m: ((cluster.radius_m + center.length() * 1e-6) * (1.0 + 1e-6)) as f32,
+                        first: (first + cluster.triangles.start) as u32,
+                        end: (first + cluster.triangles.end) as u32,
+                        caster,
+                        pad_0: 0,
+                    });
+                }
+                records.extend(order.iter().map(|i| SoftTriangle { caster, ..chosen[*i].record }));
+                corners_of.extend(order.iter().map(|i| corners[*i]));
+            }
+        }
+        let (near_count, near_clusters) = (near.1.len(), near.0.len());
+        let (grid, mut lists) = grid.lists(&ends, &far.2);
+        // Lists number the triangles of the chain, which follow the near ones.
+        let cells = grid.cells();
+        let triangle_lists: Vec<std::ops::Range<usize>> =
+            (0..cells).map(|cell| lists[cell * 2 + 1] as usize..lists[cell * 2 + 2] as usize).collect();
+        for list in triangle_lists {
+            lists[list].iter_mut().for_each(|number| *number += near_count as u32);
+        }
+        let shifted = far.0.iter().map(|cluster| SoftCluster {
+            first: cluster.first + near_count as u32,
+            end: cluster.end + near_count as u32,
+            ..*cluster
+        });
+        let all_clusters: Vec<SoftCluster> = near.0.iter().copied().chain(shifted).collect();
+        let (edge_count, triangle_count) = (edges.len(), near_count + far.1.len());
+        // No buffer is empty.
+        if edges.is_empty() {
+            edges.push(SoftEdge::default());
+        }
+        let triangles: Vec<SoftTriangle> = near.1.into_iter().chain(far.1).collect();
+        let bytes = |bytes: &[u8]| Arc::new(bytes.to_vec());
+        Self {
+            edges: bytes(cast_slice(&edges)),
+            triangles: bytes(cast_slice(&triangles)),
+            lists: bytes(cast_slice(&lists)),
+            clusters: bytes(cast_slice(&all_clusters)),
+            near_clusters,
+            cluster_count: all_clusters.len(),
+            edge_count,
+            triangle_count,
+            grid,
+            centers,
+        }
+    }
+}

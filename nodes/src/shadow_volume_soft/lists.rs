@@ -1,0 +1,332 @@
+//! Which edges and triangles can matter to which receivers: lists for the cells of a grid the light's centre looks through,
+//! and groups of triangles within spheres.
+//!
+//! A receiver's point p lies in one cell, seen from the centre, and in one *slice*: between two distances from it (for a
+//! directional light, along its direction). The way from p to any sample of the light stays within t·R of the way to the
+//! centre, t from 0 at p to 1 at the light. So an edge at distance z is touched from within the slice up to distance d only
+//! through cells about R·(1 − z/d) around its image: it is listed in these, and in no slice that ends before z. Triangles
+//! between p and the centre are listed without that margin.
+//!
+//! *Nothing is lost.* All of it is f64 on the CPU, conservative, and enlarged by [`CELL_MARGIN`] of a cell, far beyond
+//! what f32 loses when the shader finds p's cell. Whatever is listed in vain changes nothing.
+
+use glam::{DVec2, DVec3};
+use shadowgraph_engine::geometry::{LightGrid, LightPlane};
+use shadowgraph_engine::math::Aabb;
+
+use super::chain::LightBall;
+
+/// By how much of a cell footprints are enlarged on every side.
+const CELL_MARGIN: f64 = 0.03;
+/// Slices, at most: see `SoftHead` of soft_light.wgsl.
+pub(super) const MAX_SLICES: usize = 8;
+/// The most cells along a side.
+const FINEST: usize = 256;
+/// Words of lists: as many as these, or as many for each edge and triangle; below what every adapter can bind.
+const LEAST_WORDS: usize = 1 << 18;
+const WORDS_PER_PRIMITIVE: usize = 64;
+const MOST_WORDS: usize = 1 << 24;
+
+/// What the light's centre looks through, and how far.
+#[derive(Clone, Debug)]
+pub(super) struct SoftGrid {
+    /// The light.
+    pub light: LightBall,
+    /// One plane, or six.
+    pub planes: Vec<LightPlane>,
+    /// Cells along a side of each.
+    pub side: usize,
+    /// Where slices end: distances from the centre, or along the light's direction from the planes' origin; ascending.
+    /// Receivers beyond the last are in the last.
+    pub slice_ends: Vec<f64>,
+}
+
+/// The cells of one plane and slice that something may be touched through.
+struct Footprint {
+    from: DVec2,
+    to: DVec2,
+    /// In cells.
+    reach: f64,
+}
+
+impl SoftGrid {
+    /// A grid for casters within `casters` and receivers within `receivers`.
+    pub(super) fn new(light: LightBall, casters: &Aabb, receivers: &Aabb) -> Self {
+        let directional = light.position.w == 0.0;
+        let towards = light.position.truncate();
+        let along = |bounds: &Aabb| {
+            let extent = (bounds.max - bounds.min).dot(towards.abs()) * 0.5;
+            let middle = -towards.dot(bounds.center());
+            (middle - extent, middle + extent)
+        };
+        let (nearest, farthest, reach) = if directional {
+            let (nearest, farthest) = (along(casters).0, along(receivers).1.max(along(casters).1));
+            (nearest, farthest, (farthest - nearest) * light.radius)
+        } else {
+            let far = |bounds: &Aabb| {
+                bounds.corners().map(|corner| corner.distance(towards)).into_iter().fold(0.0, f64::max)
+            };
+            (casters.distance(towards), far(receivers).max(far(casters)), light.radius)
+        };
+        let grid = LightGrid::new(light.position, &casters.expanded(reach * (1.0 + 1e-6)));
+        let planes = grid.planes().to_vec();
+        let farthest = farthest + 1e-6 * (farthest.abs() + nearest.abs());
+        let slice_ends = if directional {
+            let from_origin = -planes[0].away.dot(planes[0].origin);
+            let place = |i: usize| nearest + (farthest - nearest) * (i + 1) as f64 / MAX_SLICES as f64;
+            (0..MAX_SLICES).map(|i| place(i) + from_origin).collect()
+        } else {
+            // Evenly in 1/distance, as penumbrae grow.
+            let (near, far) = (
+                1.0 / nearest.max(farthest * 1e-2).max(f64::MIN_POSITIVE),
+                1.0 / farthest.max(f64::MIN_POSITIVE),
+            );
+            let place = |i: usize| 1.0 / (near + (far - near) * (i + 1) as f64 / MAX_SLICES as f64);
+            (0..MAX_SLICES).map(place).collect()
+        };
+        Self { light, planes, side: 1, slice_ends }
+    }
+
+    /// How many lists there are.
+    pub(super) fn cells(&self) -> usize {
+        self.planes.len() * self.slice_ends.len() * self.side * self.side
+    }
+
+    /// How far from the way to the centre something may lie, which is at least `nearest` from it (along the planes'
+    /// direction, for a directional light), to be met on the way of a receiver in `slice` to a sample; `None` when it
+    /// lies beyond the slice.
+    fn reach(&self, nearest: f64, slice: usize) -> Option<f64> {
+        let (end, radius) =
+            (self.slice_ends[slice] * (1.0 + 1e-6 * self.slice_ends[slice].signum()), self.light.radius);
+        if self.light.position.w == 0.0 {
+            let way = end - nearest;
+            return (way >= 0.0).then_some(way * radius);
+        }
+        let whole = end.hypot(radius);
+        let rest = (nearest - radius).max(0.0);
+        (rest <= whole).then_some(radius * (1.0 - rest / whole))
+    }
+
+    /// How near a segment comes to the light, in the terms of slices.
+    fn nearest(&self, [a, b]: [DVec3; 2]) -> f64 {
+        if self.light.position.w == 0.0 {
+            let plane = &self.planes[0];
+            return (a - plane.origin).dot(plane.away).min((b - plane.origin).dot(plane.away));
+        }
+        self.light.distance_to_segment(a, b)
+    }
+
+    /// Calls `visit` with plane, slice, column and row of every cell that a receiver may touch the edge through.
+    fn edge_cells(&self, ends: [DVec3; 2], visit: &mut impl FnMut(usize)) {
+        let nearest = self.nearest(ends);
+        for slice in 0..self.slice_ends.len() {
+            let Some(reach_m) = self.reach(nearest, slice) else { continue };
+            for (number, plane) in self.planes.iter().enumerate() {
+                let Some(footprint) = self.footprint(plane, ends, reach_m) else { continue };
+                self.cells_about(&footprint, |x, y| visit(self.cell(number, slice, x, y)));
+            }
+        }
+    }
+
+    fn cell(&self, plane: usize, slice: usize, x: usize, y: usize) -> usize {
+        ((plane * self.slice_ends.len() + slice) * self.side + y) * self.side + x
+    }
+
+    /// The image of a segment on a plane with `reach_m` around it; `None` when it is not in view.
+    fn footprint(&self, plane: &LightPlane, ends: [DVec3; 2], reach_m: f64) -> Option<Footprint> {
+        let everything = Footprint { from: DVec2::ZERO, to: DVec2::ZERO, reach: f64::INFINITY };
+        let seen = |p: DVec3| {
+            let d = p - plane.origin;
+            DVec3::new(d.dot(plane.x_axis), d.dot(plane.y_axis), d.dot(plane.z_axis) + plane.z_offset)
+        };
+        let [mut from, mut to] = ends.map(seen);
+        if plane.one_of_six {
+            // What is beyond one side of the pyramid |x|, |y| ≤ z by more than the reach.
+            let beyond =
+                reach_m * std::f64::consts::SQRT_2 * (1.0 + 1e-6) + 1e-9 * (from.length() + to.length());
+            for outside in [
+                DVec3::new(1.0, 0.0, -1.0),
+                DVec3::new(-1.0, 0.0, -1.0),
+                DVec3::new(0.0, 1.0, -1.0),
+                DVec3::new(0.0, -1.0, -1.0),
+            ] {
+                (from, to) = clipped(from, to, outside, beyond)?;
+            }
+        }
+        let (x_length, y_length) = (plane.x_axis.length(), plane.y_axis.length());
+        let reach_z = reach_m * plane.z_axis.length();
+        let depth = from.z.min(to.z) - reach_z;
+        if depth <= 1e-3 * (from.z.max(to.z) + reach_z) {
+            return Some(everything);
+        }
+        let widest = |across: f64, length: f64| (across + length * reach_m) / depth;
+        let x_widest = widest(from.x.abs().max(to.x.abs()), x_length) * plane.z_axis.length();
+        let y_widest = widest(from.y.abs().max(to.y.abs()), y_length) * plane.z_axis.length();
+        let reach = reach_m * x_length.hypot(x_widest).max(y_length.hypot(y_widest)) / depth;
+        let in_cells = |h: DVec3| (h.truncate() / h.z * 0.5 + 0.5) * self.side as f64;
+        Some(Footprint {
+            from: in_cells(from),
+            to: in_cells(to),
+            reach: reach * 0.5 * self.side as f64 + CELL_MARGIN,
+        })
+    }
+
+    /// Calls `visit` with column and row of the cells within reach of the footprint.
+    fn cells_about(&self, footprint: &Footprint, mut visit: impl FnMut(usize, usize)) {
+        let Footprint { from, to, reach } = *footprint;
+        let last = self.side as f64 - 1.0;
+        if !(reach.is_finite() && from.is_finite() && to.is_finite()) {
+            (0..self.side * self.side).for_each(|i| visit(i % self.side, i / self.side));
+            return;
+        }
+        let low = (from.min(to) - reach).floor().clamp(DVec2::ZERO, DVec2::splat(last));
+        let high = (from.max(to) + reach).floor();
+        if high.x < 0.0 || high.y < 0.0 || (from.min(to) - reach).max_element() > last + 1.0 {
+            return;
+        }
+        let high = high.clamp(DVec2::ZERO, DVec2::splat(last));
+        let along = to - from;
+        let length_squared = along.length_squared();
+        // A cell's corner is this far from its middle.
+        let within = reach + std::f64::consts::FRAC_1_SQRT_2;
+        for y in low.y as usize..=high.y as usize {
+            for x in low.x as usize..=high.x as usize {
+                let to_middle = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) - from;
+                let t = if length_squared > 0.0 {
+                    (to_middle.dot(along) / length_squared).clamp(0.0, 1.0)
+                } else {
+                    0.0
+                };
+                if (to_middle - along * t).length_squared() <= within * within {
+                    visit(x, y);
+                }
+            }
+        }
+    }
+
+    /// Calls `visit` with plane, slice, column and row of every cell whose receivers may have the triangle on their way to
+    /// the light's centre.
+    fn triangle_cells(&self, corners: [DVec3; 3], visit: &mut impl FnMut(usize)) {
+        let nearest = if self.light.position.w == 0.0 {
+            self.planes[0].nearest(corners)
+        } else {
+            self.light.distance_to_triangle(corners)
+        };
+        let grid = LightGrid::from_planes(self.planes.clone(), self.side);
+        for slice in 0..self.slice_ends.len() {
+            let end = self.slice_ends[slice];
+            if nearest > end + 1e-6 * end.abs() && slice + 1 < self.slice_ends.len() {
+                continue;
+            }
+            for number in 0..self.planes.len() {
+                grid.for_each_cell_within(number, corners, CELL_MARGIN, |[x, y]| {
+                    visit(self.cell(number, slice, x, y))
+                });
+            }
+        }
+    }
+
+    /// The grid with the smallest cells, and the lists over them, that the memory for lists allows: for each cell where
+    /// its edges begin and where its triangles do; at last the end; then the lists of numbers.
+    pub(super) fn lists(mut self, edges: &[[DVec3; 2]], triangles: &[[DVec3; 3]]) -> (Self, Vec<u32>) {
+        let budget = ((edges.len() + triangles.len()) * WORDS_PER_PRIMITIVE).clamp(LEAST_WORDS, MOST_WORDS);
+        let mut best = self.counts(edges, triangles);
+        while self.side < FINEST {
+            let finer = Self { side: self.side * 2, ..self.clone() };
+            if finer.cells() * 2 > budget {
+                break;
+            }
+            let counts = finer.counts(edges, triangles);
+            if counts.iter().map(|count| *count as usize).sum::<usize>() + finer.cells() * 2 > budget {
+                break;
+            }
+            (self, best) = (finer, counts);
+        }
+        let words = self.filled(&best, edges, triangles);
+        (self, words)
+    }
+
+    /// How many edges and triangles each cell lists, in turn.
+    fn counts(&self, edges: &[[DVec3; 2]], triangles: &[[DVec3; 3]]) -> Vec<u32> {
+        let mut counts = vec![0_u32; self.cells() * 2];
+        edges.iter().for_each(|ends| self.edge_cells(*ends, &mut |cell| counts[cell * 2] += 1));
+        triangles
+            .iter()
+            .for_each(|corners| self.triangle_cells(*corners, &mut |cell| counts[cell * 2 + 1] += 1));
+        counts
+    }
+
+    fn filled(&self, counts: &[u32], edges: &[[DVec3; 2]], triangles: &[[DVec3; 3]]) -> Vec<u32> {
+        let mut words = Vec::with_capacity(counts.len() + 1);
+        let mut place = counts.len() as u32 + 1;
+        for count in counts {
+            words.push(place);
+            place += count;
+        }
+        words.push(place);
+        let mut next: Vec<u32> = words.clone();
+        words.resize(place as usize, 0);
+        let mut put = |list: usize, number: usize| {
+            words[next[list] as usize] = number as u32;
+            next[list] += 1;
+        };
+        for (number, ends) in edges.iter().enumerate() {
+            self.edge_cells(*ends, &mut |cell| put(cell * 2, number));
+        }
+        for (number, corners) in triangles.iter().enumerate() {
+            self.triangle_cells(*corners, &mut |cell| put(cell * 2 + 1, number));
+        }
+        words
+    }
+}
+
+/// The part of a segment where outside·h ≤ `beyond`; `None` when there is none.
+fn clipped(from: DVec3, to: DVec3, outside: DVec3, beyond: f64) -> Option<(DVec3, DVec3)> {
+    let (at_from, at_to) = (outside.dot(from) - beyond, outside.dot(to) - beyond);
+    match (at_from > 0.0, at_to > 0.0) {
+        (true, true) => None,
+        (false, false) => Some((from, to)),
+        (true, false) => Some((from.lerp(to, at_from / (at_from - at_to)), to)),
+        (false, true) => Some((from, from.lerp(to, at_from / (at_from - at_to)))),
+    }
+}
+
+/// Triangles that lie together, and the sphere around them.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Cluster {
+    /// Its triangles, among those in the order of the clusters.
+    pub triangles: std::ops::Range<usize>,
+    /// The middle of their bounds, in the world.
+    pub center: DVec3,
+    /// How far from it they reach, in metres.
+    pub radius_m: f64,
+}
+
+/// The most triangles of a cluster.
+const CLUSTER: usize = 16;
+
+/// The order of the triangles, and the clusters of that order: halved at the middle of the longest side until they are small.
+pub(super) fn clusters(triangles: &[[DVec3; 3]]) -> (Vec<usize>, Vec<Cluster>) {
+    let mut order: Vec<usize> = (0..triangles.len()).collect();
+    let mut clusters = Vec::new();
+    let mut open = vec![0..triangles.len()];
+    while let Some(range) = open.pop() {
+        if range.is_empty() {
+            continue;
+        }
+        let bounds = Aabb::from_points(order[range.clone()].iter().flat_map(|i| triangles[*i]));
+        if range.len() <= CLUSTER {
+            clusters.push(Cluster { triangles: range, center: bounds.center(), radius_m: bounds.radius() });
+            continue;
+        }
+        let size = bounds.max - bounds.min;
+        let axis =
+            size.to_array().iter().enumerate().fold(0, |best, (i, x)| if *x > size[best] { i } else { best });
+        let middle = range.len() / 2;
+        let key = |i: &usize| triangles[*i].iter().map(|corner| corner[axis]).sum::<f64>();
+        order[range.clone()].select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)));
+        open.push(range.start + middle..range.end);
+        open.push(range.start..range.start + middle);
+    }
+    (order, clusters)
+}
