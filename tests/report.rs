@@ -16,6 +16,9 @@ use cli::{Folder, names_all};
 use common::{renderer, shadowed_yard};
 use own_technique::{DiscShadow, disc_mesh};
 use serde_json::Value;
+use shadowgraph::engine::scene::{ParamValue, Params};
+use shadowgraph::engine::shadow::{Catalog, Setting, TechniqueEntry};
+use shadowgraph::measure::ReferenceShadow;
 use shadowgraph::measure::report::{self, Effort, Outcome, Parts, References, Report, ReportScene, Steps};
 use shadowgraph::measure::timing::Pace;
 use shadowgraph::prelude::*;
@@ -106,6 +109,56 @@ fn a_technique_from_outside_appears_with_its_settings() {
     names_all(&page, &["disc soft rim", "DiscShadow", "hard z-fail", "reference", "none"]);
     let rows: Vec<String> = text(&files, "report.csv").lines().map(String::from).collect();
     assert!(rows.iter().any(|row| row.starts_with("plate,DiscShadow,soft rim,edge=0.05,measured,,64,48,")));
+}
+
+/// The reference as a technique with a quality: exact for its samples, an approximation of the light.
+const SOFT: TechniqueEntry = TechniqueEntry {
+    settings: &[Setting {
+        name: "soft",
+        why: "a lamp of half a metre by few samples",
+        params: || {
+            let option = |name: &str, value: f64| (name.to_owned(), ParamValue::Number(value));
+            Params::from([option("radius", 0.5), option("samples", 16.0)])
+        },
+    }],
+    ..ReferenceShadow::ENTRY
+};
+
+#[test]
+fn lights_with_a_size_are_judged_beside_the_whole_light_and_beside_their_samples() {
+    let Some(renderer) = renderer() else { return };
+    let mut catalog = Catalog::new();
+    catalog.register(SOFT);
+    let scenes = [named("plate", disc_scene(&[]))];
+    let effort = Effort { parts: Parts { sweeps: true, ..SCENES }, ..TINY };
+    let mut references = References::in_memory();
+    let report = report::run(renderer.gpu(), &catalog, &scenes, &effort, &mut references, &|_, _, _| {});
+    assert_eq!(report.failures(), Vec::<String>::new());
+    let [hard, soft] = &report.scenes[0].points[..] else { panic!("two settings") };
+    let [hard, soft] = [hard, soft].map(|point| point.measurement().unwrap());
+    assert!(hard.totals.is_exact && hard.same_samples.is_none() && hard.judged_size_px == [64, 48]);
+    assert_eq!((soft.same_samples, soft.judged_size_px), (Some((16, 0)), [48, 36]));
+    let totals = &soft.totals;
+    assert!(!totals.is_exact && totals.penumbra_pixels > 30, "{totals:?}");
+    assert!(totals.penumbra_rmse > 0.005 && totals.penumbra_rmse < 0.06, "{totals:?}");
+    assert!(totals.rmse_outside_band > 0.0 && totals.leak_mean > 0.0 && totals.false_mean > 0.0);
+    // Every quality is tried where its own option is swept, and only the default elsewhere.
+    let settings = |id: &str| {
+        let sweep = report.sweeps.iter().find(|sweep| sweep.id == id).unwrap();
+        sweep.techniques.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>()
+    };
+    assert_eq!(settings("light-radius"), ["reference", "reference soft"]);
+    assert_eq!(settings("grazing-sun"), ["reference"]);
+    let files = report::files(&report);
+    names_all(&text(&files, "index.html"), &["off its samples", "the more the stronger", "48×36"]);
+    assert!(text(&files, "plots/quality-light-radius.svg").contains("penumbra RMSE"));
+    if let Some(folder) = std::env::var_os("DUMP") {
+        for (path, bytes) in &files {
+            let path = std::path::Path::new(&folder).join(path);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, bytes).unwrap();
+        }
+    }
 }
 
 #[test]

@@ -95,9 +95,9 @@ impl Cone {
             let below = (f64::from(high[axis]) - self.origin[axis][0]) * self.inverse[axis][0];
             let above = (f64::from(low[axis]) - self.origin[axis][1]) * self.inverse[axis][1];
             if self.inverse[axis][0] > 0.0 {
-                last = last.min(below)
+                last = last.min(below);
             } else {
-                first = first.max(below)
+                first = first.max(below);
             }
             if self.inverse[axis][1] > 0.0 { first = first.max(above) } else { last = last.min(above) }
         }

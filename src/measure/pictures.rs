@@ -55,9 +55,9 @@ const FALSE_SHADOW: [u8; 3] = [40, 90, 240];
 const BAND: [u8; 3] = [225, 195, 50];
 const DIFFERENT: [u8; 3] = [128, 128, 128];
 
-/// How much of its colour an error gets: all for 1, half for a quarter, a sixteenth for 1/256.
+/// How much of its colour an error gets: all for 1, half for an eighth, a quarter for 1/64.
 fn strength(difference: f32) -> f32 {
-    difference.abs().min(1.0).sqrt()
+    difference.abs().min(1.0).cbrt()
 }
 
 /// `from` with so much of `to` in it.
@@ -80,7 +80,7 @@ pub fn error_key() -> Vec<(f32, [u8; 3])> {
 
 /// Writes where `light` is wrong, as PNG: leaks red, false shadows blue, pixels that show different triangles grey, over
 /// the dimmed reference. For a light without size wrong pixels have full colour, what else is in the ambiguity band is yellow,
-/// and smaller differences are shades; for a light with a size all differences are shades, as strong as the root of what
+/// and smaller differences are shades; for a light with a size all differences are shades, as strong as the cube root of what
 /// they exceed the bounds by.
 ///
 /// # Errors

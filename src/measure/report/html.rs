@@ -143,7 +143,7 @@ blue, the band yellow.</dd>\
 <dt>Lights with a size</dt><dd>Each technique is compared with the light that it takes to be there: a point, or a disc of \
 its own radius. The factor is then the visible share of the disc, and the exact one that of thousands of samples, at a smaller \
 frame size, which is said where it is. The plots take what is beyond the factors that a pixel’s ambiguous samples allow. \
-<em>Penumbra RMSE</em> is over the pixels where the share is neither 0 nor 1; in error maps shades go with the root of the error. A technique that takes \
+<em>Penumbra RMSE</em> is over the pixels where the share is neither 0 nor 1; in error maps shades go with the cube root of the error. A technique that takes \
 so many samples of the light is also compared with exactly these: <em>off its samples</em> counts the pixels that are not what they give, \
 and ought to be 0.</dd>\
 <dt>None, reference</dt><dd>The ends of the axis: no shadows at all, and the ray tracer itself on the processor.</dd></dl>\
