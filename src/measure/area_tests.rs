@@ -160,7 +160,8 @@ fn masks_are_cut_texel_by_texel_for_every_sample() {
     for name in names {
         let met = against_brute_force(&name, Some(LightSize { radius_m: 0.2, half_angle_rad: 0.15 }), 16);
         println!("{name}: {met:?}");
-        assert!(met.pixels > 100 && met.penumbra > 0, "{name}: {met:?}");
+        let casts = !name.ends_with("all-holes");
+        assert!(met.pixels > 100 && (met.penumbra > 0) == casts, "{name}: {met:?}");
         penumbra += met.penumbra;
     }
     assert!(penumbra > 60, "{penumbra} pixels in penumbrae");
