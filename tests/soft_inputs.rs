@@ -244,7 +244,7 @@ fn pictures_of_turned_surfaces_are_as_dark_as_the_technique_says() {
     scene.set_ambient(Vec3::ZERO);
     scene.set_background(Vec3::ZERO);
     let positions = [[-9.0, -9.0], [-9.0, 9.0], [9.0, 9.0], [9.0, -9.0]].map(|[x, z]| Vec3::new(x, 0.0, z));
-    let data = shadowgraph::engine::geometry::MeshData {
+    let data = MeshData {
         name: "slope".into(),
         positions: positions.to_vec(),
         normals: vec![Vec3::new(-0.3, 1.0, 0.0).normalize(); 4],
