@@ -1,7 +1,7 @@
 //! Structures that Rust writes and WGSL reads, compared field by field: names, offsets and whole size.
 
 use naga::proc::Layouter;
-use shadowgraph_engine::gpu::{FrameUniform, InstanceUniform, LightUniform, MaterialUniform};
+use shadowgraph_engine::gpu::{FrameUniform, InstanceUniform, LightUniform, MaterialUniform, TintUniform};
 use shadowgraph_nodes::common::volume::VolumeUniform;
 
 /// Fields with their byte offsets, in order, and the whole size.
@@ -69,6 +69,13 @@ fn light() {
 #[test]
 fn material() {
     assert_same("common/material", "Material", MaterialUniform::layout());
+}
+
+#[test]
+fn tint() {
+    let (wgsl, stride) = wgsl_layout(&parse("surface_shade", &["TINTED"]), "TintedFactor");
+    assert_eq!(owned(TintUniform::layout()), wgsl);
+    assert_eq!(wgsl.1, stride);
 }
 
 #[test]

@@ -221,8 +221,10 @@ fn print_times(frame: &Frame, timed: &Timed) {
         out!("frame, GPU clock: {}", spread(gpu));
     }
     for (pass, ms) in frame.plan.passes.iter().zip(&timed.passes.pass_ms) {
+        let is_kept = frame.plan.written_by(pass).any(|slot| frame.plan.slot(slot).kept.is_some());
+        let kept = if is_kept && ms.is_some_and(|ms| ms.median == 0.0) { " (kept: drawn once)" } else { "" };
         let ms = ms.map_or("-".into(), |ms| format!("{:.3}", ms.median));
-        out!("  {ms:>9} ms  {}", pass.name);
+        out!("  {ms:>9} ms  {}{kept}", pass.name);
     }
 }
 

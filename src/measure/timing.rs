@@ -51,7 +51,7 @@ pub struct Timed {
 pub struct PassTimes {
     /// Whole frames, passes apart; `None` without timestamps.
     pub frame_ms: Option<Spread>,
-    /// Every pass, in the plan's order; `None` without timestamps.
+    /// Every pass, in the plan's order; `None` without timestamps, 0 while what it draws is kept.
     pub pass_ms: Vec<Option<Spread>>,
 }
 
@@ -91,19 +91,21 @@ pub fn time_passes(
 ) -> Result<PassTimes, RenderError> {
     let options = RenderOptions { timing: Timing::Passes, ..RenderOptions::default() };
     let (mut gpu_ms, mut pass_ms): (Vec<f64>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
-    let mut passes = 0;
     for frame in 0..frames + 1 {
         let rendered = renderer.render(scene, request, &options)?;
-        passes = rendered.plan.passes.len();
-        if frame > 0 {
+        pass_ms.resize(rendered.plan.passes.len(), Vec::new());
+        if frame > 0 && rendered.gpu_ms.is_some() {
             gpu_ms.extend(rendered.gpu_ms);
-            pass_ms.resize(rendered.times.len(), Vec::new());
-            rendered.times.iter().zip(&mut pass_ms).for_each(|(time, all)| all.push(time.gpu_ms));
+            // What did not run, since what it draws was kept, took no time.
+            for (index, all) in pass_ms.iter_mut().enumerate() {
+                let time = rendered.times.iter().find(|time| time.passes.contains(&index));
+                all.push(time.map_or(0.0, |time| time.gpu_ms));
+            }
         }
     }
     let frame_ms = (!gpu_ms.is_empty()).then(|| Spread::of(gpu_ms));
-    let mut pass_ms: Vec<_> = pass_ms.into_iter().map(|times| Some(Spread::of(times))).collect();
-    pass_ms.resize(passes, None);
+    let spread = |times: Vec<f64>| (!times.is_empty()).then(|| Spread::of(times));
+    let pass_ms = pass_ms.into_iter().map(spread).collect();
     Ok(PassTimes { frame_ms, pass_ms })
 }
 

@@ -1,6 +1,7 @@
 //! Executing a frame plan: it does what the plan says, times it, and copies out what is asked for.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use bytemuck::Zeroable;
@@ -60,6 +61,8 @@ pub struct FrameInputs<'a> {
 pub struct PassTime {
     /// The names of the passes, joined by " + ".
     pub name: String,
+    /// Which of the plan's passes these are.
+    pub passes: Range<usize>,
     /// GPU time in milliseconds.
     pub gpu_ms: f64,
 }
@@ -256,6 +259,7 @@ impl Executor {
                         .map(|p| p.name.as_str())
                         .collect::<Vec<_>>()
                         .join(" + "),
+                    passes: group.passes.clone(),
                     gpu_ms: elapsed(stamp[0], stamp[1]),
                 })
                 .collect();

@@ -14,4 +14,4 @@ pub use context::{AdapterChoice, DEFAULT_BUDGET_BYTES, Gpu, GpuError};
 pub use executor::{Executed, Executor, FrameInputs, PassTime, Timing};
 pub use materials::MaterialUniform;
 pub use readback::{Pixels, PixelsError};
-pub use uniforms::{FrameUniform, InstanceUniform, Layout, LightUniform};
+pub use uniforms::{FrameUniform, InstanceUniform, Layout, LightUniform, TintUniform};

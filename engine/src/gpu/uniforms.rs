@@ -56,6 +56,19 @@ pub struct LightUniform {
     pub own_shadow: u32,
 }
 
+/// `struct TintedFactor` of surface_shade.wgsl: a factor, and what the picture loses of its light where it is 0.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[allow(missing_docs, reason = "documented where the shader reads them")]
+pub struct TintUniform {
+    pub taken: [f32; 3],
+    pub next: u32,
+    pub kind: u32,
+    pub index: u32,
+    pub pad_0: u32,
+    pub pad_1: u32,
+}
+
 /// Names and byte offsets of a structure's fields, and its whole size: what the layout test compares.
 pub type Layout = (Vec<(&'static str, usize)>, usize);
 
@@ -75,6 +88,7 @@ pub(super) use layout;
 layout!(FrameUniform: clip_from_view, view_from_clip, view_from_world, size_px, exposure, light_count, ambient, tone_map, up_in_view, eye_w);
 layout!(InstanceUniform: row_x, row_y, row_z, normal_x, normal_y, normal_z, flags, first_triangle, smooth_terminators, pad_0);
 layout!(LightUniform: position, radiance, inverse_range, direction, cone_scale, cone_offset, factor_kind, factor_index, own_shadow);
+layout!(TintUniform: taken, next, kind, index, pad_0, pad_1);
 
 impl FrameUniform {
     pub(crate) fn new(

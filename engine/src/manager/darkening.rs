@@ -1,5 +1,5 @@
 //! Darkening the finished picture instead of taking each light's own light away: once for all counts (Lindrud & Löfgren
-//! 2004 §5.3, single pass), or by each light's factor (paper 002 §6.4, second method).
+//! 2004 §5.3, single pass), or by each factor (paper 002 §6.4, second method).
 
 use std::sync::Arc;
 

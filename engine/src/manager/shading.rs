@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::assembly::Assembly;
 use super::surface_functions;
+use crate::gpu::TintUniform;
 use crate::plan::{
     ALL_TAKEN, Access, Binding, BlendState, BufferUsage, ColorTarget, CompareFunction, DrawState, FactorAt,
     LightPlanned, Load, Pass, SlotId, SurfaceStyle,
@@ -84,28 +85,22 @@ impl Assembly<'_> {
         if lights.iter().all(|light| light.taken == ALL_TAKEN && light.more_factors.is_empty()) {
             return None;
         }
-        let mut words: Vec<u32> = Vec::new();
-        let mut further: Vec<u32> = Vec::new();
-        let entry = |words: &mut Vec<u32>, taken: [f32; 3], next: usize, place: [u32; 2]| {
-            words.extend(taken.map(f32::to_bits));
-            words.extend([next as u32, place[0], place[1], 0, 0]);
-        };
+        let (mut tints, mut further) = (Vec::new(), Vec::new());
         for light in lights {
-            let first = lights.len() + further.len() / ENTRY_WORDS;
-            let count = light.more_factors.len();
-            // Each names the next; the last one none.
-            let next = |index: usize| if index < count { first + index } else { 0 };
-            for (index, part) in light.factors().enumerate() {
-                let words = if index == 0 { &mut words } else { &mut further };
-                entry(words, part.taken, next(index), part.at.kind_and_index());
+            let first = (lights.len() + further.len()) as u32;
+            let count = light.more_factors.len() as u32;
+            for (part, at) in light.factors().zip(0..) {
+                let [kind, index] = part.at.kind_and_index();
+                // Each names the next; the last one none.
+                let next = if at < count { first + at } else { 0 };
+                let tint = TintUniform { taken: part.taken, next, kind, index, pad_0: 0, pad_1: 0 };
+                if at == 0 { tints.push(tint) } else { further.push(tint) }
             }
         }
-        words.extend(further);
-        let contents = Arc::new(bytemuck::cast_slice(&words).to_vec());
+        tints.extend(further);
+        let bytes: Vec<u8> = bytemuck::cast_slice(&tints).to_vec();
+        let key = hash_of(("tints", &bytes));
         let reason = "weights and colours of shadows: what the picture loses where a factor is 0";
-        Some(self.b.buffer("tints", BufferUsage::Storage, hash_of(("tints", &words)), contents, reason))
+        Some(self.b.buffer("tints", BufferUsage::Storage, key, Arc::new(bytes), reason))
     }
 }
-
-/// Words of one entry: `struct TintedFactor` of surface_shade.wgsl.
-const ENTRY_WORDS: usize = 8;
