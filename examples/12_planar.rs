@@ -35,7 +35,7 @@ fn table(scene: &mut Scene) -> Result<(), Box<dyn Error>> {
     let top = shapes::cuboid(Vec3::new(-0.9, 0.82, -0.5), Vec3::new(0.9, 0.88, 0.5));
     scene.add_mesh(Mesh::new(top)?, wood(), DAffine3::IDENTITY);
     for (x, z) in [(-0.8, -0.4), (0.8, -0.4), (-0.8, 0.4), (0.8, 0.4)] {
-        let leg = shapes::cylinder(0.04, 0.82, 24, Ends::Closed).moved(Vec3::new(x, 0.41, z));
+        let leg = shapes::cylinder(0.04, 0.82, 24, Ends::Closed).moved(Vec3::new(x, 0.0, z));
         scene.add_mesh(Mesh::new(leg)?, wood(), DAffine3::IDENTITY);
     }
     Ok(())
@@ -55,13 +55,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let ball = Mesh::new(ball)?;
     scene.add_mesh(ball, Material::matt("ball", Vec3::new(0.75, 0.2, 0.15)), DAffine3::IDENTITY);
 
-    let lamp = Light::point("lamp", 55.0).with_color(Vec3::new(1.0, 0.9, 0.75));
+    let lamp = Light::point("lamp", 90.0).with_color(Vec3::new(1.0, 0.9, 0.75));
     let lamp = scene.add_light(lamp, DVec3::new(-1.7, 3.4, 1.9), DVec3::ZERO);
-    let sky = Light::directional("sky", 0.9).with_color(Vec3::new(0.75, 0.85, 1.0));
+    let sky = Light::directional("sky", 1.4).with_color(Vec3::new(0.75, 0.85, 1.0));
     let sky = scene.add_light(sky, DVec3::ZERO, DVec3::new(-0.6, -1.0, -0.45));
 
     let receivers = [floor, wall, tilted];
-    let soft = SoftShadow { samples: 64, radius_m: 0.12, ..SoftShadow::default() };
+    let soft = SoftShadow { samples: 64, radius_m: 0.25, ..SoftShadow::default() };
     scene.add_shadow("the lamp's", ShadowNode::from(soft).with_lights([lamp]).with_receivers(receivers));
     let worn = SoftShadow {
         mode: PlanarMode::Texture,
@@ -76,7 +76,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let camera = Camera::perspective("eye", 0.62);
     let camera = PosedCamera::looking(camera, DVec3::new(1.1, 2.3, 6.0), DVec3::new(0.1, 0.75, -0.4));
     let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
-    common::picture(&mut renderer, &scene, &camera, Exposure::Fixed(0.55), "12_planar")?;
+    common::picture(&mut renderer, &scene, &camera, Exposure::Fixed(0.45), "12_planar")?;
     // Nothing has moved since: what was drawn into textures is there.
     let request = FrameRequest::new(camera, common::SIZE_PX);
     let frame = renderer.render(&scene, &request, &RenderOptions::default())?;
