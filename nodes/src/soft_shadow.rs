@@ -78,6 +78,7 @@ impl ShadowTechnique for SoftShadow {
     }
 
     fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+        light.tint(self.weight, self.color);
         let receivers = Receiver::all(light)?;
         let lit: Vec<Lit> = receivers.iter().map(|receiver| Lit::new(self, light, receiver)).collect();
         // Turned to the light or away from it as a whole, a receiver's own shadow is the engine's to know.

@@ -263,12 +263,6 @@ fn replace_shadows(scene: &mut Scene, technique: &TechniqueArg) -> Result<(), Fa
     let mut node = ShadowNode::new(entry.type_name);
     node.params = technique.params.clone();
     node.receivers = receivers_for(&scene.pose().map_err(RenderError::from)?, made.as_ref());
-    if node.receivers == Scope::Nodes(vec![]) {
-        return Err(Failure::Usage(format!(
-            "technique {} shades only what it can receive on, and nothing in the scene is (--floor adds a plane)",
-            technique.name
-        )));
-    }
     scene.add_shadow(entry.short_name, node);
     Ok(())
 }

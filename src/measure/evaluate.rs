@@ -174,20 +174,21 @@ impl KnownReferences {
     }
 }
 
-/// The reference as far as it says something about the techniques: where one shades receivers only, other pixels are
-/// not compared.
-fn on_receivers(registry: &Registry, mut image: Arc<ReferenceImage>) -> Arc<ReferenceImage> {
+/// What is to be compared of a reference: where a technique shades receivers only, no other pixel. `None` where all of it
+/// is.
+pub(super) fn on_receivers(registry: &Registry, image: &ReferenceImage) -> Option<ReferenceImage> {
+    let mut restricted = None;
     let claims = registry.lights.iter().filter(|claims| !claims.is_empty());
     for (light, claims) in claims.enumerate() {
         for claim in claims.iter().filter(|claim| claim.technique.shades_receivers_only()) {
-            let ReferenceImage { hits, lights, .. } = Arc::make_mut(&mut image);
+            let ReferenceImage { hits, lights, .. } = restricted.get_or_insert_with(|| image.clone());
+            let receives = |hit: &Hit| claim.receivers.binary_search(&(hit.instance as usize)).is_ok();
             for (hit, compared) in hits.iter().zip(&mut lights[light].compared) {
-                let receives = |hit: &Hit| claim.receivers.binary_search(&(hit.instance as usize)).is_ok();
                 *compared &= hit.as_ref().is_some_and(receives);
             }
         }
     }
-    image
+    restricted
 }
 
 /// Renders `scene` with its own shadow nodes and compares.
@@ -224,7 +225,7 @@ pub fn evaluate_again(
         return Err(EvaluateError::NothingToCompare);
     }
     let reference = references.answer(&posed, &request, queries.clone(), progress);
-    let reference = on_receivers(&registry, reference);
+    let reference = on_receivers(&registry, &reference).map_or(reference, Arc::new);
     let measured = measured(&frame, request.antialias.factor_size_px(request.size_px))?;
     let errors = compare(&measured, &reference)?;
     Ok(Evaluation { frame, measured, reference, errors, queries })
@@ -247,7 +248,8 @@ pub fn evaluate_converged(
         return Ok(None);
     };
     let (posed, registry) = renderer.posed(scene)?;
-    let reference = on_receivers(&registry, references.answer(&posed, request, queries, progress));
+    let reference = references.answer(&posed, request, queries, progress);
+    let reference = on_receivers(&registry, &reference).map_or(reference, Arc::new);
     let errors = compare(&evaluation.measured, &reference)?;
     Ok(Some(Converged { reference, errors }))
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use shadowgraph_engine::scene::{ParamValue, Params, ShadowNode};
-use shadowgraph_engine::shadow::{OptionError, OptionReader, Setting, TechniqueEntry};
+use shadowgraph_engine::shadow::{MAX_LIGHT_SAMPLES, OptionError, OptionReader, Setting, TechniqueEntry};
 
 /// Where shadows are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -50,7 +50,7 @@ impl Default for SoftShadow {
 }
 
 /// The most points that may stand for a light.
-pub const MAX_SAMPLES: u32 = 4096;
+pub const MAX_SAMPLES: u32 = MAX_LIGHT_SAMPLES;
 /// The longest side of a receiver's texture, in texels.
 pub const MAX_RESOLUTION: u32 = 8192;
 
@@ -69,6 +69,11 @@ const SETTINGS: &[Setting] = &[
         name: "256 samples",
         why: "what a still picture can afford",
         params: || SoftShadow { samples: 256, ..SoftShadow::default() }.to_params(),
+    },
+    Setting {
+        name: "texture",
+        why: "drawn once, on a texture that each receiver wears until something moves",
+        params: || SoftShadow { mode: PlanarMode::Texture, ..SoftShadow::default() }.to_params(),
     },
 ];
 

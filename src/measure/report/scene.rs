@@ -6,9 +6,12 @@ use std::sync::Arc;
 
 use shadowgraph_engine::gpu::Pixels;
 use shadowgraph_engine::manager::{Frame, FrameRequest, RenderError, RenderOptions};
-use shadowgraph_engine::scene::{Content, Scene, ShadowNode};
+use shadowgraph_engine::scene::{Content, Scene, Scope, ShadowNode};
 use shadowgraph_engine::shadow::{Setting, TechniqueEntry};
 
+use crate::receivers_for;
+
+use super::super::evaluate::on_receivers;
 use super::super::timing::{PassTimes, Runner, Spread, take_turns, time_passes};
 use super::super::{
     LightError, LightQuery, Measured, compare, converged_queries, measured, pictures, queries_with,
@@ -31,19 +34,26 @@ pub(super) fn without_shadows(scene: &Scene) -> Scene {
     scene
 }
 
-/// The scene with this technique and setting in its shadow nodes, whose scopes stay; without any, one over everything.
+/// The scene with this technique and setting in its shadow nodes, whose scopes stay; without any, one over everything. A
+/// technique that shades receivers only gets those it accepts where nodes name none.
 pub(super) fn with_technique(scene: &Scene, entry: &TechniqueEntry, setting: &Setting) -> Scene {
     let mut scene = scene.clone();
     let params = (setting.params)();
+    let made = (entry.from_params)(&params).ok().zip(scene.pose().ok());
+    let receivers = made.map_or(Scope::All, |(made, posed)| receivers_for(&posed, made.as_ref()));
     let shadows: Vec<_> = scene.shadows().map(|(key, _)| key).collect();
     for key in &shadows {
         if let Some(node) = scene.shadow_mut(*key) {
             node.technique = entry.type_name.into();
             node.params = params.clone();
+            if node.receivers == Scope::All {
+                node.receivers = receivers.clone();
+            }
         }
     }
     if shadows.is_empty() {
-        let node = ShadowNode { technique: entry.type_name.into(), params, ..ShadowNode::default() };
+        let node =
+            ShadowNode { technique: entry.type_name.into(), params, receivers, ..ShadowNode::default() };
         scene.add_shadow(entry.short_name, node);
     }
     scene
@@ -213,7 +223,10 @@ fn judge(bench: &Bench<'_>, runner: &mut Runner, references: &mut References) ->
     let failed = |error: &dyn std::fmt::Display| Outcome::Failed(error.to_string());
     let measured = measured(&judged, size_px).map_err(|error| failed(&error))?;
     let mut beside = |queries: &[LightQuery]| {
-        let traced = references.get(&posed, &request, queries, &|_, _| {});
+        let mut traced = references.get(&posed, &request, queries, &|_, _| {});
+        if let Some(image) = on_receivers(&registry, &traced.image) {
+            traced = Arc::new(Traced { image, trace_ms: traced.trace_ms });
+        }
         let errors = compare(&measured, &traced.image).map_err(|error| failed(&error))?;
         Ok((traced, errors))
     };
