@@ -33,7 +33,8 @@ const USED: &[(&str, &[&str], &[&str])] = &[
             "share_from_texture if RECEIVER",
         ],
     ),
-    ("shadow_volume_soft", &["CASTERS", "DEEP"], &["fullscreen_vertex", "sampled"]),
+    ("pack_words", &[], &["fullscreen_vertex", "pack"]),
+    ("shadow_volume_soft", &["CASTERS", "CLUSTERS", "DEEP"], &["fullscreen_vertex", "sampled"]),
     ("surface_depth", &[], &["vertex"]),
     ("surface_factor", &["COUNTS", "VISIBILITY", "MASKED", "OWN_SHADOW"], &["vertex", "factor"]),
     (

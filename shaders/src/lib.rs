@@ -31,6 +31,7 @@ modules![
     "common/attributes",
     "common/frame",
     "common/fullscreen",
+    "common/light_samples",
     "common/lights",
     "common/material",
     "common/positions",
@@ -39,6 +40,7 @@ modules![
     "darken_picture",
     "masked_volume",
     "nothing",
+    "pack_words",
     "resolve_mask",
     "sample_images",
     "shadow_volume_hard",
@@ -82,6 +84,25 @@ pub fn compose_named(name: &str, flags: &[&str]) -> Result<String, ShaderError> 
         Some(text) => compose(name, text, flags),
         None => Err(unknown_import(name, name)),
     }
+}
+
+/// Composes a module of this crate with `flags`; where it imports the module `replaced`, `text` stands instead. For what
+/// is better written by a program than by hand.
+///
+/// # Errors
+/// As [`compose_named`]; an unknown `replaced` is an unknown import too.
+pub fn compose_replacing(
+    name: &str,
+    flags: &[&str],
+    replaced: &str,
+    text: &str,
+) -> Result<String, ShaderError> {
+    let own = source(name).ok_or_else(|| unknown_import(name, name))?;
+    let module = MODULES.iter().find(|module| module.name == replaced);
+    let replaced = module.ok_or_else(|| unknown_import(name, replaced))?.name;
+    let mut composed = text.to_owned();
+    append(name, own, flags, &mut HashSet::from([replaced]), &mut composed)?;
+    Ok(composed)
 }
 
 /// Composes `text`, called `name` in errors, with `flags`.
@@ -153,6 +174,14 @@ mod tests {
         let text = "#if A\nlet a = 1;\n#else\nlet b = 1;\n#endif\n";
         assert_eq!(compose("t", text, &["A"]).unwrap(), "let a = 1;\n");
         assert_eq!(compose("t", text, &[]).unwrap(), "let b = 1;\n");
+    }
+
+    #[test]
+    fn an_import_is_replaced() {
+        let composed = compose_replacing("resolve_mask", &[], "common/fullscreen", "// mine\n").unwrap();
+        assert!(composed.starts_with("// mine\n") && !composed.contains("fn fullscreen_vertex"));
+        assert!(compose_replacing("resolve_mask", &[], "common/nothing", "").is_err());
+        assert!(compose_replacing("nowhere", &[], "common/fullscreen", "").is_err());
     }
 
     #[test]

@@ -3,104 +3,188 @@
 // there on by the edges between the centre and the sample. 64 samples are counted at a time, in bit planes: bit i of
 // plane j is bit j of the count of sample i.
 
+#import common/light_samples
 #import common/soft_light
 
-@group(1) @binding(5) var<storage, read> light_samples: array<vec2f>;
-
-// Samples of this round, and how many there are.
-struct Round {
-    first: u32,
-    count: u32,
-}
-
-// A bit for each sample of the round with heights.x + heights.y·x + heights.z·y >= 0.
-fn not_below(heights: vec3f, round: Round) -> vec2u {
-    var bits = vec2u(0u);
-    for (var i = 0u; i < round.count; i += 1u) {
-        let sample = light_samples[round.first + i];
-        let above = u32(fma(sample.x, heights.y, fma(sample.y, heights.z, heights.x)) >= 0.0);
-        bits |= select(vec2u(above << (i & 31u), 0u), vec2u(0u, above << (i & 31u)), i >= 32u);
-    }
-    return bits;
-}
-
 #if CASTERS
+// Counts modulo 2^16, or with DEEP modulo 2^24: more than there are triangles. Signed sums come and go beneath. (No array:
+// planes are to stay in registers.)
+var<private> count_0: vec2u;
+var<private> count_1: vec2u;
+var<private> count_2: vec2u;
+var<private> count_3: vec2u;
+var<private> count_4: vec2u;
+var<private> count_5: vec2u;
+var<private> count_6: vec2u;
+var<private> count_7: vec2u;
+var<private> count_8: vec2u;
+var<private> count_9: vec2u;
+var<private> count_10: vec2u;
+var<private> count_11: vec2u;
+var<private> count_12: vec2u;
+var<private> count_13: vec2u;
+var<private> count_14: vec2u;
+var<private> count_15: vec2u;
 #if DEEP
-const PLANES: u32 = 24u;
-#else
-const PLANES: u32 = 8u;
+var<private> count_16: vec2u;
+var<private> count_17: vec2u;
+var<private> count_18: vec2u;
+var<private> count_19: vec2u;
+var<private> count_20: vec2u;
+var<private> count_21: vec2u;
+var<private> count_22: vec2u;
+var<private> count_23: vec2u;
 #endif
 
-var<private> counts: array<vec2u, PLANES>;
+// Adds 1 to the counts of the samples in `ones`, 2 to those in `twos`; subtracts where flip is not 0 but all ones. Of the two
+// one is empty.
+fn add(ones: vec2u, twos: vec2u, flip: vec2u) {
+    var carry = ones & (count_0 ^ flip);
+    count_0 ^= ones;
+    carry |= twos;
+    var next = carry & (count_1 ^ flip);
+    count_1 ^= carry;
+    carry = next & (count_2 ^ flip);
+    count_2 ^= next;
+    next = carry & (count_3 ^ flip);
+    count_3 ^= carry;
+    if (next.x | next.y) == 0u {
+        return;
+    }
+    carry = next & (count_4 ^ flip);
+    count_4 ^= next;
+    next = carry & (count_5 ^ flip);
+    count_5 ^= carry;
+    carry = next & (count_6 ^ flip);
+    count_6 ^= next;
+    next = carry & (count_7 ^ flip);
+    count_7 ^= carry;
+    if (next.x | next.y) == 0u {
+        return;
+    }
+    carry = next & (count_8 ^ flip);
+    count_8 ^= next;
+    next = carry & (count_9 ^ flip);
+    count_9 ^= carry;
+    carry = next & (count_10 ^ flip);
+    count_10 ^= next;
+    next = carry & (count_11 ^ flip);
+    count_11 ^= carry;
+    carry = next & (count_12 ^ flip);
+    count_12 ^= next;
+    next = carry & (count_13 ^ flip);
+    count_13 ^= carry;
+    carry = next & (count_14 ^ flip);
+    count_14 ^= next;
+    next = carry & (count_15 ^ flip);
+    count_15 ^= carry;
+#if DEEP
+    carry = next & (count_16 ^ flip);
+    count_16 ^= next;
+    next = carry & (count_17 ^ flip);
+    count_17 ^= carry;
+    carry = next & (count_18 ^ flip);
+    count_18 ^= next;
+    next = carry & (count_19 ^ flip);
+    count_19 ^= carry;
+    carry = next & (count_20 ^ flip);
+    count_20 ^= next;
+    next = carry & (count_21 ^ flip);
+    count_21 ^= carry;
+    carry = next & (count_22 ^ flip);
+    count_22 ^= next;
+    next = carry & (count_23 ^ flip);
+    count_23 ^= carry;
+#endif
+}
 
-// Adds `weight` to the counts of the samples in `bits`.
-fn add(bits: vec2u, weight: i32) {
-    let borrows = select(vec2u(0u), vec2u(0xffffffffu), weight < 0);
-    var size = u32(abs(weight));
-    // Weights are small: 1 or 2 for edges, once any number for the centre.
-    for (var first = 0u; first < PLANES && size != 0u; first += 1u) {
-        if (size & 1u) != 0u {
-            var carry = bits;
-            for (var plane = first; plane < PLANES && any(carry != vec2u(0u)); plane += 1u) {
-                let old = counts[plane];
-                counts[plane] = old ^ carry;
-                carry &= old ^ borrows;
-            }
+// Sets all counts to one number.
+fn set_counts(count: i32) {
+    count_0 = plane_of(count, 0u);
+    count_1 = plane_of(count, 1u);
+    count_2 = plane_of(count, 2u);
+    count_3 = plane_of(count, 3u);
+    count_4 = plane_of(count, 4u);
+    count_5 = plane_of(count, 5u);
+    count_6 = plane_of(count, 6u);
+    count_7 = plane_of(count, 7u);
+    count_8 = plane_of(count, 8u);
+    count_9 = plane_of(count, 9u);
+    count_10 = plane_of(count, 10u);
+    count_11 = plane_of(count, 11u);
+    count_12 = plane_of(count, 12u);
+    count_13 = plane_of(count, 13u);
+    count_14 = plane_of(count, 14u);
+    count_15 = plane_of(count, 15u);
+#if DEEP
+    count_16 = plane_of(count, 16u);
+    count_17 = plane_of(count, 17u);
+    count_18 = plane_of(count, 18u);
+    count_19 = plane_of(count, 19u);
+    count_20 = plane_of(count, 20u);
+    count_21 = plane_of(count, 21u);
+    count_22 = plane_of(count, 22u);
+    count_23 = plane_of(count, 23u);
+#endif
+}
+
+fn plane_of(count: i32, plane: u32) -> vec2u {
+    return vec2u(0u - ((u32(count) >> plane) & 1u));
+}
+
+// Samples with a count other than 0.
+fn counted() -> vec2u {
+    var counted = count_0 | count_1 | count_2 | count_3 | count_4 | count_5 | count_6 | count_7;
+    counted |= count_8 | count_9 | count_10 | count_11 | count_12 | count_13 | count_14 | count_15;
+#if DEEP
+    counted |= count_16 | count_17 | count_18 | count_19 | count_20 | count_21 | count_22 | count_23;
+#endif
+    return counted;
+}
+
+// Counts what the listed edges change between the centre and each sample. Pixels that are drawn together look for the next
+// edge that matters each by itself, and count it together.
+fn add_edges(list: CellList, r: Receiver, round: u32) {
+    var place = list.first;
+    loop {
+        var edge = SeenEdge(vec2f(0.0), vec2f(0.0), vec3f(0.0), 0);
+        while place < list.end && edge.weight == 0 {
+            edge = seen_edge(list_word(place), r);
+            place += 1u;
         }
-        size >>= 1u;
+        if edge.weight == 0 {
+            break;
+        }
+        let flip = select(0xffffffffu, 0u, edge.heights.x >= 0.0);
+        let crossed = samples_crossed(edge.heights, edge.a, edge.b, flip, round);
+        let once = abs(edge.weight) == 1;
+        let subtracts = select(flip, ~flip, edge.weight < 0);
+        let nothing = vec2u(0u);
+        add(select(nothing, crossed, once), select(crossed, nothing, once), vec2u(subtracts));
     }
 }
 
-// Counts what the edges of `cell` change between the centre and each sample.
-fn add_edges(cell: u32, r: Receiver, round: Round) {
-    let end = soft_lists[2u * cell + 1u];
-    for (var place = soft_lists[2u * cell]; place < end; place += 1u) {
-        let edge = seen_edge(soft_lists[place], r);
-        if edge.weight == 0 || !crosses_disc(edge.heights) {
-            continue;
-        }
-        // Beyond the edge's line, and between its ends as seen from the centre.
-        let beyond = not_below(edge.heights, round);
-        let a = not_below(vec3f(0.0, edge.a.y, -edge.a.x), round);
-        let b = not_below(vec3f(0.0, edge.b.y, -edge.b.x), round);
-        if edge.heights.x >= 0.0 {
-            add(~beyond & ~a & b, edge.weight);
-        } else {
-            add(beyond & a & ~b, -edge.weight);
-        }
-    }
-}
-
-// Samples that a triangle hides, whether before, in or beyond the light.
-fn hidden_by(number: u32, r: Receiver, round: Round) -> vec2u {
-    let t = soft_triangles[number];
-    let caster = soft.casters[t.caster];
-    let from_center = r.p - caster.xyz;
-    let side = side_of(t.plane, r, from_center, caster.w);
-    if weight_of(side, t.bits) == 0 {
-        return vec2u(0u);
-    }
-    let a = in_frame(r, t.a - from_center);
-    let b = in_frame(r, t.b - from_center);
-    let c = in_frame(r, t.c - from_center);
+#if CLUSTERS
+// Samples that a triangle hides, whether it stands before the light or in it. Here nothing is counted, so that solids are
+// no other than soups.
+fn hidden_by(number: u32, r: Receiver, round: u32) -> vec2u {
+    let t = seen_triangle(number, r);
     let scale = vec3f(1.0, r.k, r.k);
-    let ab = edge_heights(a, in_frame(r, t.b - t.a)) * scale;
-    let bc = edge_heights(b, in_frame(r, t.c - t.b)) * scale;
-    let ca = -edge_heights(a, in_frame(r, t.c - t.a)) * scale;
-    // Where samples are over the plane: their distance, and what the receiver's height adds to it.
+    // Over the plane: where samples are, with what the receiver's own height adds to it.
     let n = in_frame(r, t.plane.xyz);
-    let own = dot(t.plane.xyz, from_center) - t.plane.w;
+    let own = dot(t.plane.xyz, t.from_center) - t.plane.w;
     let over = (n.zxy * scale) * r.light_distance + vec3f(own * soft.light.w, 0.0, 0.0);
-    // On the side that the receiver is not on; on the plane is neither.
-    let beyond = select(not_below(-over, round), not_below(over, round), side < 0);
-    let in_ab = not_below(ab, round);
-    let in_bc = not_below(bc, round);
-    let out_ca = not_below(-ca, round);
-    return beyond & ((in_ab & in_bc & ~out_ca) | (~in_ab & ~in_bc & out_ca));
+    // On the side that the receiver is not on.
+    let beyond = samples_not_below(select(-over, over, t.side < 0), round);
+    let in_ab = samples_not_below(t.ab * scale, round);
+    let in_bc = samples_not_below(t.bc * scale, round);
+    let out_ca = samples_not_below(t.ac * scale, round);
+    let through = (in_ab & in_bc & ~out_ca) | (~in_ab & ~in_bc & out_ca);
+    return select(beyond & through, vec2u(0u), t.side == 0);
 }
 
 // Samples that clusters `first` … `end` − 1 hide.
-fn hidden_by_clusters(first: u32, end: u32, r: Receiver, round: Round) -> vec2u {
+fn hidden_by_clusters(first: u32, end: u32, r: Receiver, round: u32) -> vec2u {
     var hidden = vec2u(0u);
     for (var number = first; number < end; number += 1u) {
         let cluster = soft_clusters[number];
@@ -114,26 +198,17 @@ fn hidden_by_clusters(first: u32, end: u32, r: Receiver, round: Round) -> vec2u 
     return hidden;
 }
 
+#endif
+
 // Samples that the casters hide.
-fn hidden(r: Receiver, round: Round) -> vec2u {
-    if !has_lists(r) {
-        return hidden_by_clusters(0u, soft.cluster_count, r, round);
-    }
-    let dark = hidden_by_clusters(0u, soft.near_clusters, r, round);
-    let cell = cell_of(r);
-    if cell == NO_CELL {
-        return dark;
-    }
-    for (var plane = 0u; plane < PLANES; plane += 1u) {
-        counts[plane] = vec2u(0u);
-    }
-    add(vec2u(0xffffffffu), center_count(cell, r));
-    add_edges(cell, r, round);
-    var any_count = vec2u(0u);
-    for (var plane = 0u; plane < PLANES; plane += 1u) {
-        any_count |= counts[plane];
-    }
-    return dark | any_count;
+fn hidden(r: Receiver, lists: Lists, round: u32) -> vec2u {
+    var dark = vec2u(0u);
+#if CLUSTERS
+    dark = hidden_by_clusters(0u, lists.clusters, r, round);
+#endif
+    set_counts(center_count(lists.triangles, r));
+    add_edges(lists.edges, r, round);
+    return dark | counted();
 }
 #endif
 
@@ -147,21 +222,37 @@ fn sampled(@builtin(position) position: vec4f) -> @location(0) vec4f {
     if depth == 0.0 || normal.w == 0.0 {
         discard;
     }
-    let r = receiver_at(position.xy, depth, normal.xyz);
-    // Within the light, only the centre counts: a disc without extent.
-    let sample_count = select(soft.sample_count, 1u, r.k == 0.0);
-    var lit = 0u;
-    for (var first = 0u; first < sample_count; first += 64u) {
-        let round = Round(first, min(sample_count - first, 64u));
-        // What lies in the surface's own plane is dark.
-        var bits = ~not_below(-vec3f(r.normal.z, r.normal.xy * r.k), round);
-        bits &= vec2u(
-            select(0xffffffffu, (1u << round.count) - 1u, round.count < 32u),
-            select(0xffffffffu, (1u << max(round.count, 32u) - 32u) - 1u, round.count < 64u),
-        );
+    var r = receiver_at(position.xy, depth);
+    // The light over the surface's own plane: how high its centre is, and how far a sample may be from there.
+    let n = world_from_view(normal.xyz);
+    let height = dot(n, r.w);
+    let reach = r.k * sqrt(max(1.0 - height * height, 0.0));
+    if height < -reach * 1.00001 {
+        return vec4f(0.0);
+    }
+    let cut = height <= reach * 1.00001 + 1e-6;
 #if CASTERS
-        if any(bits != vec2u(0u)) {
-            bits &= ~hidden(r, round);
+    let lists = lists_of(r);
+    let alone = lists.clusters == 0u && lists.edges.first == lists.edges.end && lists.triangles.first == lists.triangles.end;
+#else
+    let alone = true;
+#endif
+    if !cut && alone {
+        discard;
+    }
+    r = with_frame(r, position.xy, depth);
+    // Within the light, only the centre counts: a disc without extent.
+    let sample_count = select(SAMPLE_COUNT, 1u, r.k == 0.0);
+    var lit = 0u;
+    for (var round = 0u; round < ROUNDS; round += 1u) {
+        var bits = select(samples_of(round), vec2u(select(0u, 1u, round == 0u), 0u), r.k == 0.0);
+        if cut {
+            // What lies in the surface's own plane is dark.
+            bits &= ~samples_not_below(-vec3f(height, dot(n, r.u) * r.k, dot(n, r.v) * r.k), round);
+        }
+#if CASTERS
+        if !alone && (bits.x | bits.y) != 0u {
+            bits &= ~hidden(r, lists, round);
         }
 #endif
         lit += countOneBits(bits.x) + countOneBits(bits.y);

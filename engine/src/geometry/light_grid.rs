@@ -47,8 +47,8 @@ impl LightGrid {
     }
 
     /// A grid over these planes.
-    pub fn from_planes(planes: Vec<LightPlane>, cells_per_side: usize) -> Self {
-        Self { planes, cells_per_side: cells_per_side.max(1) }
+    pub fn from_planes(planes: &[LightPlane], cells_per_side: usize) -> Self {
+        Self { planes: planes.to_vec(), cells_per_side: cells_per_side.max(1) }
     }
 
     /// The same planes with `cells_per_side` cells (1 at least) along a side of each.

@@ -21,7 +21,7 @@ use shadowgraph_engine::scene::Instance;
 
 use crate::common::volume::{CastShape, Half};
 
-/// `struct SoftEdge` of soft_light.wgsl.
+/// An edge in four texels: see soft_light.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[allow(missing_docs, reason = "documented where the shader reads them")]
@@ -34,7 +34,7 @@ pub(super) struct SoftEdge {
     pub plane_2: [f32; 4],
 }
 
-/// `struct SoftTriangle` of soft_light.wgsl.
+/// A triangle in four texels: see soft_light.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[allow(missing_docs, reason = "documented where the shader reads them")]
@@ -139,6 +139,9 @@ pub(super) struct ChainTriangle {
     pub corners: [DVec3; 3],
     /// Left out of the chain, to be asked by itself.
     pub near: bool,
+    /// Whether it counts when it hides the light's centre: of a solid, what turns its back to the whole light hides nothing
+    /// that its front does not.
+    pub hides_center: bool,
 }
 
 /// An edge of a caster that may be a silhouette.
@@ -196,7 +199,8 @@ impl CasterChain {
             let face = if *sign == 0 || orient == 0 { None } else { face(corners, center, orient, light) };
             if let Some(face) = &face {
                 let record = triangle_record(corners, center, face, light, half);
-                chain.triangles.push(ChainTriangle { record, corners, near: face.near });
+                let hides_center = half == Half::Both || face.light_side >= 0;
+                chain.triangles.push(ChainTriangle { record, corners, near: face.near, hides_center });
             }
             faces.push(face.filter(|face| !face.near));
         }

@@ -5,7 +5,10 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use glam::DVec3;
 use shadowgraph_engine::math::Aabb;
-use shadowgraph_engine::plan::{Binding, BufferUsage};
+use shadowgraph_engine::plan::{
+    Binding, BlendState, BufferUsage, ColorTarget, CompareFunction, Draw, DrawState, Geometry, Load, Pass,
+    Shader, SlotId, TextureFormat,
+};
 use shadowgraph_engine::scene::Instance;
 use shadowgraph_engine::shadow::{LightPlan, ShadowError, hash_of};
 
@@ -30,7 +33,7 @@ pub(super) struct SoftCluster {
     pub pad_0: u32,
 }
 
-/// The head of `struct SoftCasters` of soft_light.wgsl, which its casters follow.
+/// `struct SoftHead` of soft_light.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[allow(missing_docs, reason = "documented where the shader reads them")]
@@ -46,31 +49,22 @@ pub(super) struct SoftHead {
     pub radius: f32,
     pub near_clusters: u32,
     pub cluster_count: u32,
-    pub sample_count: u32,
-    pub pad_0: u32,
+    pub triangle_side: u32,
+    pub triangle_lists: u32,
     pub slice_ends: [f32; MAX_SLICES],
     pub planes: [GridPlane; 6],
 }
 
 /// Every structure of the shader as it is here: what the layout test compares.
-pub fn layouts() -> [(&'static str, Layout); 4] {
+pub fn layouts() -> [(&'static str, Layout); 2] {
     macro_rules! fields {
         ($type:ty: $($field:ident),*) => { vec![$((stringify!($field), std::mem::offset_of!($type, $field))),*] };
     }
-    let edge = fields!(SoftEdge: a, caster, b, bits, plane_1, plane_2);
-    let triangle = fields!(SoftTriangle: a, caster, b, bits, c, pad_0, plane);
     let cluster = fields!(SoftCluster: center, radius_m, first, end, caster, pad_0);
-    let mut head = fields!(SoftHead:
+    let head = fields!(SoftHead:
         world_x, plane_count, world_y, side, world_z, slice_count, light, origin, radius,
-        near_clusters, cluster_count, sample_count, pad_0, slice_ends, planes);
-    head.push(("casters", size_of::<SoftHead>()));
-    [
-        ("SoftEdge", (edge, size_of::<SoftEdge>())),
-        ("SoftTriangle", (triangle, size_of::<SoftTriangle>())),
-        ("SoftCluster", (cluster, size_of::<SoftCluster>())),
-        // A runtime-sized array counts as one element.
-        ("SoftCasters", (head, size_of::<SoftHead>() + size_of::<[f32; 4]>())),
-    ]
+        near_clusters, cluster_count, triangle_side, triangle_lists, slice_ends, planes);
+    [("SoftCluster", (cluster, size_of::<SoftCluster>())), ("SoftHead", (head, size_of::<SoftHead>()))]
 }
 
 /// A disc is at most this much larger than the light's radius for receivers no nearer than two radii: 2/√3. Nearer
@@ -80,17 +74,17 @@ const LARGEST_DISC: f64 = 1.154_700_538_379_252;
 /// What the shaders read of a light and its casters.
 #[derive(Default)]
 pub(super) struct Gathered {
-    /// Bindings 0 of the light, 1 to 4 of casters if there are any (edges, triangles, lists, clusters), 6 and 7 of
-    /// receivers (depth, normals).
+    /// Bindings 0 of the light, 1 to 5 of casters if there are any (edges, triangles, lists, clusters if needed, centres), 6
+    /// and 7 of receivers (depth, normals).
     pub(super) bindings: Vec<(u32, Binding)>,
+    /// Whether some triangles are asked by themselves: clusters are bound then.
+    pub(super) clusters: bool,
     /// How many casters there are.
     pub(super) casters: usize,
     /// How many edges can be silhouettes.
     pub(super) edges: usize,
     /// How many triangles cast.
     pub(super) triangles: usize,
-    /// A bound on how many triangles one segment to the light can cross.
-    pub(super) most_layers: u32,
 }
 
 /// Everything about a light's casters that does not depend on the eye.
@@ -147,7 +141,7 @@ impl ShadowVolumeSoft {
         }
         note_left_out(light, &left_out);
         if chains.is_empty() {
-            return Ok(self.bind(light, None));
+            return self.bind(light, None);
         }
         let receivers = light.posed.world_bounds;
         let keys: Vec<u64> = chains.iter().map(|(_, key)| *key).collect();
@@ -159,7 +153,7 @@ impl ShadowVolumeSoft {
             let grid = SoftGrid::new(ball, &bounds, &receivers);
             Chains::new(grid, chains.iter().map(|(chain, _)| chain.as_ref()))
         });
-        Ok(self.bind(light, Some((&gathered, key))))
+        self.bind(light, Some((&gathered, key)))
     }
 
     /// The light as a ball that holds every disc it is seen as from further away than two radii.
@@ -180,7 +174,7 @@ impl ShadowVolumeSoft {
         // Bounds grown by as far as the way to a sample may be from the way to the centre.
         let reach_m = if ball.position.w == 0.0 {
             2.0 * light.posed.world_bounds.union(&light.view.receiver_bounds).radius() * ball.radius
-        } else if light.view.receiver_bounds.distance(ball.position.truncate()) > 2.0 * ball.radius {
+        } else if !self.may_be_close(light) {
             2.0 * ball.radius
         } else {
             // From close by, the disc is of any size.
@@ -234,66 +228,75 @@ impl ShadowVolumeSoft {
         Ok(if outside { Half::Lit } else { Half::Both })
     }
 
-    /// Adds the buffers to the plan.
-    fn bind(&self, light: &mut LightPlan<'_>, chains: Option<(&Chains, u64)>) -> Gathered {
+    /// Adds what the shaders read to the plan.
+    fn bind(
+        &self,
+        light: &mut LightPlan<'_>,
+        chains: Option<(&Chains, u64)>,
+    ) -> Result<Gathered, ShadowError> {
         let name = light.light().name.clone();
-        let eye = light.view.camera.world_from_view.translation;
-        let head = self.head(light, chains.map(|(chains, _)| chains));
-        let centers = chains.map_or(&[DVec3::ZERO][..], |(chains, _)| &chains.centers);
-        let centers: Vec<[f32; 4]> = centers
-            .iter()
-            .map(|center| (*center - eye).as_vec3())
-            .map(|center| center.extend(center.length()).to_array())
-            .collect();
-        let casters = Arc::new([bytes_of(&head), cast_slice(&centers)].concat());
-        let casters_key = hash_of(("soft casters", &casters));
-        let mut storage = |what: &str, key: u64, bytes: &Arc<Vec<u8>>, reason: &str| {
-            let name = format!("{what} of {name}");
-            Binding::Storage(light.buffer(&name, BufferUsage::Storage, key, Arc::clone(bytes), reason))
-        };
-        let reason = "where casters and the light are, as the eye sees them";
-        let mut bindings = vec![(0, storage("soft casters", casters_key, &casters, reason))];
+        let head = Arc::new(bytes_of(&self.head(light, chains.map(|(chains, _)| chains))).to_vec());
+        let storage =
+            |light: &mut LightPlan<'_>, what: &str, key: u64, bytes: &Arc<Vec<u8>>, reason: &str| {
+                let name = format!("{what} of {name}");
+                light.buffer(&name, BufferUsage::Storage, hash_of((what, key)), Arc::clone(bytes), reason)
+            };
+        let reason = "where the light is, as the eye sees it, and how it looks at casters";
+        let slot = storage(light, "soft light", hash_of(&head), &head, reason);
+        let mut bindings = vec![(0, Binding::Storage(slot))];
         let mut gathered = Gathered::default();
         if let Some((chains, key)) = chains {
-            let of = |what: &str| hash_of((what, key));
-            bindings.extend([
-                (
-                    1,
-                    storage(
-                        "soft edges",
-                        of("soft edges"),
-                        &chains.edges,
-                        "what can be a silhouette before the light",
-                    ),
-                ),
-                (
-                    2,
-                    storage(
-                        "soft triangles",
-                        of("soft triangles"),
-                        &chains.triangles,
-                        "what hides the light's centre",
-                    ),
-                ),
-                (3, storage("soft lists", of("soft lists"), &chains.lists, "which of these matter where")),
-                (
+            for (binding, what, bytes, reason) in [
+                (1, "soft edges", &chains.edges, "what can be a silhouette before the light"),
+                (2, "soft triangles", &chains.triangles, "what hides the light's centre"),
+                (3, "soft lists", &chains.lists, "which of these matter where"),
+            ] {
+                let slot = storage(light, what, key, bytes, reason);
+                let packed = packed(
+                    light,
+                    &format!("{what} of {name}"),
+                    slot,
+                    bytes.len(),
+                    Some(hash_of((what, key))),
+                )?;
+                bindings.push((binding, Binding::Texture(packed)));
+            }
+            let eye = light.view.camera.world_from_view.translation;
+            let centers = chains.centers.iter().map(|center| (*center - eye).as_vec3());
+            let centers: Vec<[f32; 4]> =
+                centers.map(|center| center.extend(center.length()).to_array()).collect();
+            let centers = Arc::new(cast_slice(&centers).to_vec());
+            let slot = storage(
+                light,
+                "soft centers",
+                hash_of(&centers),
+                &centers,
+                "where casters are, as the eye sees them",
+            );
+            let packed = packed(light, &format!("soft centers of {name}"), slot, centers.len(), None)?;
+            bindings.push((5, Binding::Texture(packed)));
+            gathered.clusters = chains.near_clusters > 0 || self.may_be_close(light);
+            if gathered.clusters {
+                let reason = "triangles that receivers ask at the light";
+                bindings.push((
                     4,
-                    storage(
-                        "soft clusters",
-                        of("soft clusters"),
-                        &chains.clusters,
-                        "triangles for receivers at the light",
-                    ),
-                ),
-            ]);
+                    Binding::Storage(storage(light, "soft clusters", key, &chains.clusters, reason)),
+                ));
+            }
             gathered.casters = chains.centers.len();
             gathered.edges = chains.edge_count;
             gathered.triangles = chains.triangle_count;
-            gathered.most_layers = chains.triangle_count as u32;
         }
         bindings.push((6, Binding::Texture(light.receiver_depth())));
         bindings.push((7, Binding::Texture(light.receiver_normals())));
-        Gathered { bindings, ..gathered }
+        Ok(Gathered { bindings, ..gathered })
+    }
+
+    /// Whether something in view may receive so close to the light that lists do not hold there.
+    fn may_be_close(&self, light: &LightPlan<'_>) -> bool {
+        let position = light.light().position;
+        position.w > 0.0
+            && light.view.receiver_bounds.distance(position.truncate()) < 2.0 * self.radius_m * (1.0 + 1e-6)
     }
 
     fn head(&self, light: &LightPlan<'_>, chains: Option<&Chains>) -> SoftHead {
@@ -308,12 +311,11 @@ impl ShadowVolumeSoft {
             world_z: short(rotation.z_axis),
             light: from_eye.extend(position.w).as_vec4().to_array(),
             radius: if position.w == 0.0 { size.half_angle_rad.tan() } else { size.radius_m } as f32,
-            sample_count: self.samples,
             slice_ends: [f32::MAX; MAX_SLICES],
             ..SoftHead::zeroed()
         };
         let Some(chains) = chains else { return head };
-        let SoftGrid { planes, side, slice_ends, .. } = &chains.grid;
+        let SoftGrid { planes, side, triangle_side, slice_ends, .. } = &chains.grid;
         for (place, plane) in head.planes.iter_mut().zip(planes) {
             *place = GridPlane {
                 x_axis: short(plane.x_axis),
@@ -332,9 +334,59 @@ impl ShadowVolumeSoft {
             origin: short(planes[0].origin - eye),
             near_clusters: chains.near_clusters as u32,
             cluster_count: chains.cluster_count as u32,
+            triangle_side: *triangle_side as u32,
+            triangle_lists: chains.grid.edge_lists() as u32 + 1,
             ..head
         }
     }
+}
+
+/// Texels along a row of packed words: see pack_words.wgsl.
+const PACKED_WIDTH: usize = 2048;
+/// The most rows of it, which every adapter has.
+const PACKED_ROWS: usize = 8192;
+
+/// A texture of the words in `buffer`, which has `bytes` bytes; kept between frames under `key`.
+fn packed(
+    light: &mut LightPlan<'_>,
+    name: &str,
+    buffer: SlotId,
+    bytes: usize,
+    key: Option<u64>,
+) -> Result<SlotId, ShadowError> {
+    let texels = bytes.div_ceil(16).max(1);
+    let size_px = [texels.min(PACKED_WIDTH), texels.div_ceil(PACKED_WIDTH)];
+    if size_px[1] > PACKED_ROWS {
+        let most = PACKED_WIDTH * PACKED_ROWS * 16;
+        return Err(light.unsupported(format!("'{name}' takes {bytes} bytes (accepted: up to {most})")));
+    }
+    let size_px = size_px.map(|size| size as u32);
+    let (format, reason) = (TextureFormat::Rgba32Uint, "looked up at every pixel, four words at once");
+    let slot = match key {
+        Some(key) => light.kept_texture(name, format, size_px, 1, key, reason),
+        None => light.texture(name, format, size_px, 1, reason),
+    };
+    let source = shadowgraph_shaders::compose_named("pack_words", &[]).unwrap_or_default();
+    light.pass(Pass {
+        name: format!("pack {name}"),
+        reason: "words to texels".into(),
+        colors: vec![ColorTarget { slot, layer: 0, load: Load::Clear([0.0; 4]), resolve: None }],
+        depth: None,
+        draws: vec![Draw {
+            name: format!("{texels} texels"),
+            shader: Some(Shader {
+                name: "pack_words".into(),
+                source: source.into(),
+                vertex: "fullscreen_vertex".into(),
+                fragment: Some("pack".into()),
+            }),
+            state: DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]),
+            geometry: Geometry::Procedural { vertices: 3, instances: 1 },
+            bindings: vec![(0, Binding::Storage(buffer))],
+            scissor_px: None,
+        }],
+    });
+    Ok(slot)
 }
 
 impl Chains {
@@ -342,15 +394,15 @@ impl Chains {
         let mut edges: Vec<SoftEdge> = Vec::new();
         let mut ends: Vec<[DVec3; 2]> = Vec::new();
         // Near triangles come first, cluster by cluster; then those of the chain.
-        let mut near: (Vec<SoftCluster>, Vec<SoftTriangle>, Vec<[DVec3; 3]>) = Default::default();
-        let mut far: (Vec<SoftCluster>, Vec<SoftTriangle>, Vec<[DVec3; 3]>) = Default::default();
+        let mut near: (Vec<SoftCluster>, Vec<SoftTriangle>, Vec<Option<[DVec3; 3]>>) = Default::default();
+        let mut far: (Vec<SoftCluster>, Vec<SoftTriangle>, Vec<Option<[DVec3; 3]>>) = Default::default();
         let mut centers = Vec::new();
         for (number, chain) in casters.enumerate() {
             let caster = number as u32;
             centers.push(chain.center);
             edges.extend(chain.edges.iter().map(|edge| SoftEdge { caster, ..edge.record }));
             ends.extend(chain.edges.iter().map(|edge| edge.ends));
-            for (is_near, (clusters_of, records, corners_of)) in [(true, &mut near), (false, &mut far)] {
+            for (is_near, (clusters_of, records, listed)) in [(true, &mut near), (false, &mut far)] {
                 let chosen: Vec<_> =
                     chain.triangles.iter().filter(|triangle| triangle.near == is_near).collect();
                 let corners: Vec<[DVec3; 3]> = chosen.iter().map(|triangle| triangle.corners).collect();
@@ -369,18 +421,15 @@ impl Chains {
                     });
                 }
                 records.extend(order.iter().map(|i| SoftTriangle { caster, ..chosen[*i].record }));
-                corners_of.extend(order.iter().map(|i| corners[*i]));
+                listed.extend(order.iter().map(|i| chosen[*i].hides_center.then_some(corners[*i])));
             }
         }
         let (near_count, near_clusters) = (near.1.len(), near.0.len());
-        let (grid, mut lists) = grid.lists(&ends, &far.2);
-        // Lists number the triangles of the chain, which follow the near ones.
-        let cells = grid.cells();
-        let triangle_lists: Vec<std::ops::Range<usize>> =
-            (0..cells).map(|cell| lists[cell * 2 + 1] as usize..lists[cell * 2 + 2] as usize).collect();
-        for list in triangle_lists {
-            lists[list].iter_mut().for_each(|number| *number += near_count as u32);
-        }
+        let listed: Vec<(u32, [DVec3; 3])> = (near_count as u32..)
+            .zip(&far.2)
+            .filter_map(|(number, corners)| Some((number, (*corners)?)))
+            .collect();
+        let (grid, lists) = grid.lists(&ends, &listed);
         let shifted = far.0.iter().map(|cluster| SoftCluster {
             first: cluster.first + near_count as u32,
             end: cluster.end + near_count as u32,

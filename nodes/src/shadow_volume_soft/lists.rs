@@ -20,9 +20,10 @@ use super::chain::LightBall;
 const CELL_MARGIN: f64 = 0.03;
 /// Slices, at most: see `SoftHead` of soft_light.wgsl.
 pub(super) const MAX_SLICES: usize = 8;
-/// The most cells along a side.
+/// The most cells along a side, for edges and for triangles.
 const FINEST: usize = 256;
-/// Words of lists: as many as these, or as many for each edge and triangle; below what every adapter can bind.
+const FINEST_OF_TRIANGLES: usize = 512;
+/// Words of lists, of edges and of triangles: as many as these, or as many for each edge and triangle; below what every adapter can bind.
 const LEAST_WORDS: usize = 1 << 18;
 const WORDS_PER_PRIMITIVE: usize = 64;
 const MOST_WORDS: usize = 1 << 24;
@@ -34,8 +35,10 @@ pub(super) struct SoftGrid {
     pub light: LightBall,
     /// One plane, or six.
     pub planes: Vec<LightPlane>,
-    /// Cells along a side of each.
+    /// Cells along a side of each, for edges.
     pub side: usize,
+    /// Cells along a side of each, for triangles, which are not told apart by slices.
+    pub triangle_side: usize,
     /// Where slices end: distances from the centre, or along the light's direction from the planes' origin; ascending.
     /// Receivers beyond the last are in the last.
     pub slice_ends: Vec<f64>,
@@ -84,12 +87,17 @@ impl SoftGrid {
             let place = |i: usize| 1.0 / (near + (far - near) * (i + 1) as f64 / MAX_SLICES as f64);
             (0..MAX_SLICES).map(place).collect()
         };
-        Self { light, planes, side: 1, slice_ends }
+        Self { light, planes, side: 1, triangle_side: 1, slice_ends }
     }
 
-    /// How many lists there are.
-    pub(super) fn cells(&self) -> usize {
+    /// How many lists of edges there are.
+    pub(super) fn edge_lists(&self) -> usize {
         self.planes.len() * self.slice_ends.len() * self.side * self.side
+    }
+
+    /// How many lists of triangles there are.
+    fn triangle_lists(&self) -> usize {
+        self.planes.len() * self.triangle_side * self.triangle_side
     }
 
     /// How far from the way to the centre something may lie, which is at least `nearest` from it (along the planes'
@@ -204,80 +212,87 @@ impl SoftGrid {
         }
     }
 
-    /// Calls `visit` with plane, slice, column and row of every cell whose receivers may have the triangle on their way to
-    /// the light's centre.
-    fn triangle_cells(&self, corners: [DVec3; 3], visit: &mut impl FnMut(usize)) {
-        let nearest = if self.light.position.w == 0.0 {
-            self.planes[0].nearest(corners)
-        } else {
-            self.light.distance_to_triangle(corners)
-        };
-        let grid = LightGrid::from_planes(self.planes.clone(), self.side);
-        for slice in 0..self.slice_ends.len() {
-            let end = self.slice_ends[slice];
-            if nearest > end + 1e-6 * end.abs() && slice + 1 < self.slice_ends.len() {
-                continue;
-            }
-            for number in 0..self.planes.len() {
-                grid.for_each_cell_within(number, corners, CELL_MARGIN, |[x, y]| {
-                    visit(self.cell(number, slice, x, y))
-                });
-            }
-        }
-    }
-
-    /// The grid with the smallest cells, and the lists over them, that the memory for lists allows: for each cell where
-    /// its edges begin and where its triangles do; at last the end; then the lists of numbers.
-    pub(super) fn lists(mut self, edges: &[[DVec3; 2]], triangles: &[[DVec3; 3]]) -> (Self, Vec<u32>) {
-        let budget = ((edges.len() + triangles.len()) * WORDS_PER_PRIMITIVE).clamp(LEAST_WORDS, MOST_WORDS);
-        let mut best = self.counts(edges, triangles);
+    /// The grid with the smallest cells that the memory for lists allows, and the lists over it: for each list of
+    /// edges where it begins, and where the last one ends; the same for triangles; then the lists of numbers:
+    /// edges in their order, triangles by those given.
+    pub(super) fn lists(mut self, edges: &[[DVec3; 2]], triangles: &[(u32, [DVec3; 3])]) -> (Self, Vec<u32>) {
+        let budget = |primitives: usize| (primitives * WORDS_PER_PRIMITIVE).clamp(LEAST_WORDS, MOST_WORDS);
+        let mut edge_counts = self.edge_counts(edges);
         while self.side < FINEST {
             let finer = Self { side: self.side * 2, ..self.clone() };
-            if finer.cells() * 2 > budget {
+            if finer.edge_lists() > budget(edges.len()) {
                 break;
             }
-            let counts = finer.counts(edges, triangles);
-            if counts.iter().map(|count| *count as usize).sum::<usize>() + finer.cells() * 2 > budget {
+            let counts = finer.edge_counts(edges);
+            if sum(&counts) + counts.len() > budget(edges.len()) {
                 break;
             }
-            (self, best) = (finer, counts);
+            (self, edge_counts) = (finer, counts);
         }
-        let words = self.filled(&best, edges, triangles);
+        let mut triangle_counts = self.triangle_counts(triangles);
+        while self.triangle_side < FINEST_OF_TRIANGLES {
+            let finer = Self { triangle_side: self.triangle_side * 2, ..self.clone() };
+            if finer.triangle_lists() > budget(triangles.len()) {
+                break;
+            }
+            let counts = finer.triangle_counts(triangles);
+            if sum(&counts) + counts.len() > budget(triangles.len()) {
+                break;
+            }
+            (self, triangle_counts) = (finer, counts);
+        }
+        let mut words = Vec::new();
+        let mut place = (edge_counts.len() + triangle_counts.len() + 2) as u32;
+        for counts in [&edge_counts, &triangle_counts] {
+            for count in counts {
+                words.push(place);
+                place += count;
+            }
+            words.push(place);
+        }
+        let mut next = words.clone();
+        words.resize(place as usize, 0);
+        let mut put = |list: usize, number: u32| {
+            words[next[list] as usize] = number;
+            next[list] += 1;
+        };
+        for (number, ends) in (0..).zip(edges) {
+            self.edge_cells(*ends, &mut |cell| put(cell, number));
+        }
+        for (number, corners) in triangles {
+            self.triangle_cells(*corners, &mut |cell| put(edge_counts.len() + 1 + cell, *number));
+        }
         (self, words)
     }
 
-    /// How many edges and triangles each cell lists, in turn.
-    fn counts(&self, edges: &[[DVec3; 2]], triangles: &[[DVec3; 3]]) -> Vec<u32> {
-        let mut counts = vec![0_u32; self.cells() * 2];
-        edges.iter().for_each(|ends| self.edge_cells(*ends, &mut |cell| counts[cell * 2] += 1));
-        triangles
-            .iter()
-            .for_each(|corners| self.triangle_cells(*corners, &mut |cell| counts[cell * 2 + 1] += 1));
+    fn edge_counts(&self, edges: &[[DVec3; 2]]) -> Vec<u32> {
+        let mut counts = vec![0_u32; self.edge_lists()];
+        edges.iter().for_each(|ends| self.edge_cells(*ends, &mut |cell| counts[cell] += 1));
         counts
     }
 
-    fn filled(&self, counts: &[u32], edges: &[[DVec3; 2]], triangles: &[[DVec3; 3]]) -> Vec<u32> {
-        let mut words = Vec::with_capacity(counts.len() + 1);
-        let mut place = counts.len() as u32 + 1;
-        for count in counts {
-            words.push(place);
-            place += count;
-        }
-        words.push(place);
-        let mut next: Vec<u32> = words.clone();
-        words.resize(place as usize, 0);
-        let mut put = |list: usize, number: usize| {
-            words[next[list] as usize] = number as u32;
-            next[list] += 1;
-        };
-        for (number, ends) in edges.iter().enumerate() {
-            self.edge_cells(*ends, &mut |cell| put(cell * 2, number));
-        }
-        for (number, corners) in triangles.iter().enumerate() {
-            self.triangle_cells(*corners, &mut |cell| put(cell * 2 + 1, number));
-        }
-        words
+    fn triangle_counts(&self, triangles: &[(u32, [DVec3; 3])]) -> Vec<u32> {
+        let mut counts = vec![0_u32; self.triangle_lists()];
+        triangles
+            .iter()
+            .for_each(|(_, corners)| self.triangle_cells(*corners, &mut |cell| counts[cell] += 1));
+        counts
     }
+
+    /// Calls `visit` with every list whose receivers may have the triangle before the light's centre.
+    fn triangle_cells(&self, corners: [DVec3; 3], visit: &mut impl FnMut(usize)) {
+        let side = self.triangle_side;
+        let grid = LightGrid::from_planes(&self.planes, side);
+        for number in 0..self.planes.len() {
+            grid.for_each_cell_within(number, corners, CELL_MARGIN, |[x, y]| {
+                visit((number * side + y) * side + x)
+            });
+        }
+    }
+}
+
+fn sum(counts: &[u32]) -> usize {
+    counts.iter().map(|count| *count as usize).sum()
 }
 
 /// The part of a segment where outside·h ≤ `beyond`; `None` when there is none.

@@ -3,31 +3,22 @@
 //! One draw over the picture. Each pixel rebuilds its point, looks up the edges that may cross the light's disc and the
 //! triangles that may hide its centre, and keeps a count for each sample: see shadow_volume_soft.wgsl.
 
-use std::sync::Arc;
-
-use bytemuck::cast_slice;
-use shadowgraph_engine::plan::{
-    Binding, BufferUsage, CompareFunction, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader,
-};
-use shadowgraph_engine::shadow::{Channels, LightPlan, ShadowError, hash_of, light_samples};
+use glam::Vec2;
+use shadowgraph_engine::plan::{CompareFunction, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader};
+use shadowgraph_engine::shadow::{Channels, LightPlan, ShadowError, light_samples};
 
 use super::ShadowVolumeSoft;
 use super::gather::Gathered;
 
 impl ShadowVolumeSoft {
     pub(super) fn plan_sampled(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        let Gathered { mut bindings, casters, edges, triangles, most_layers } = self.gather(light)?;
+        let Gathered { bindings, clusters, casters, edges, triangles } = self.gather(light)?;
         if light.view.receiver_bounds.is_empty() {
             return Ok(());
         }
         let name = light.light().name.clone();
-        let samples: Vec<[f32; 2]> =
-            light_samples(self.samples).iter().map(|sample| sample.as_vec2().to_array()).collect();
-        let samples = Arc::new(cast_slice::<_, u8>(&samples).to_vec());
-        let key = hash_of(("light samples", self.samples));
-        let reason = "where on the light's disc it is asked";
-        let samples = light.buffer("light samples", BufferUsage::Storage, key, samples, reason);
-        bindings.push((5, Binding::Storage(samples)));
+        let wanted = [("CASTERS", casters > 0), ("CLUSTERS", clusters), ("DEEP", triangles >= 1 << 16)];
+        let flags: Vec<&str> = wanted.iter().filter(|(_, wanted)| *wanted).map(|(flag, _)| *flag).collect();
         light.decides_own_shadow();
         let target = light.multiply_visibility(Channels::One);
         light.pass(Pass {
@@ -37,7 +28,7 @@ impl ShadowVolumeSoft {
             depth: None,
             draws: vec![Draw {
                 name: format!("{edges} edges, {triangles} triangles"),
-                shader: Some(shader(most_layers)),
+                shader: Some(shader(self.samples, &flags)),
                 state: DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]),
                 geometry: Geometry::Procedural { vertices: 3, instances: 1 },
                 bindings,
@@ -48,19 +39,78 @@ impl ShadowVolumeSoft {
     }
 }
 
-/// The shader, with casters if there are any, and counters for so many layers.
-fn shader(most_layers: u32) -> Shader {
-    let flags: &[&str] = match most_layers {
-        0 => &[],
-        1..256 => &["CASTERS"],
-        _ => &["CASTERS", "DEEP"],
-    };
-    let source = shadowgraph_shaders::compose_named("shadow_volume_soft", flags).unwrap_or_default();
-    let name: Vec<&str> = std::iter::once("shadow_volume_soft").chain(flags.iter().copied()).collect();
+/// The shader for so many samples.
+fn shader(samples: u32, flags: &[&str]) -> Shader {
+    let code = samples_as_code(samples);
+    let composed =
+        shadowgraph_shaders::compose_replacing("shadow_volume_soft", flags, "common/light_samples", &code);
     Shader {
-        name: name.join(" ").into(),
-        source: source.into(),
+        name: format!("shadow_volume_soft of {samples} samples {}", flags.join(" ")).into(),
+        source: composed.unwrap_or_default().into(),
         vertex: "fullscreen_vertex".into(),
         fragment: Some("sampled".into()),
     }
+}
+
+/// The module `common/light_samples` for so many samples: no loop, no look-up.
+fn samples_as_code(count: u32) -> String {
+    use std::fmt::Write;
+    let samples: Vec<Vec2> = light_samples(count).iter().map(|sample| sample.as_vec2()).collect();
+    let rounds: Vec<&[Vec2]> = samples.chunks(64).collect();
+    let mut code = format!("const SAMPLE_COUNT: u32 = {count}u;\nconst ROUNDS: u32 = {}u;\n", rounds.len());
+    let mut function = |head: &str, words: &dyn Fn(&[Vec2]) -> [String; 2]| {
+        let _ = writeln!(code, "fn {head} -> vec2u {{");
+        for (round, samples) in rounds.iter().enumerate() {
+            let [low, high] = words(samples);
+            // The last round needs no question.
+            let (open, close) = if round + 1 < rounds.len() {
+                (format!("if round == {round}u {{"), "}")
+            } else {
+                Default::default()
+            };
+            let _ = writeln!(
+                code,
+                "{open}\nvar low = 0u;\n{low}var high = 0u;\n{high}return vec2u(low, high);\n{close}"
+            );
+        }
+        code.push_str("}\n");
+    };
+    let halves = |samples: &[Vec2], line: &dyn Fn(&str, Vec2) -> String| {
+        let (low, high) = samples.split_at(samples.len().min(32));
+        [("low", low), ("high", high)].map(|(word, samples)| {
+            let lines: String = samples.iter().map(|sample| line(word, *sample)).collect();
+            // Each sample moved those before it down by a bit.
+            let shift = if samples.is_empty() || samples.len() == 32 {
+                String::new()
+            } else {
+                format!("{word} >>= {}u;\n", 32 - samples.len())
+            };
+            lines + &shift
+        })
+    };
+    function("samples_of(round: u32)", &|samples| {
+        let ones = |count: usize| if count == 0 { 0 } else { u32::MAX >> (32 - count.min(32)) };
+        let [low, high] = [ones(samples.len()), ones(samples.len().saturating_sub(32))];
+        [format!("low = {low}u;\n"), format!("high = {high}u;\n")]
+    });
+    function("samples_not_below(heights: vec3f, round: u32)", &|samples| {
+        halves(samples, &|word, s| {
+            format!(
+                "{word} = ({word} >> 1u) | (~bitcast<u32>(fma({:?}, heights.y, fma({:?}, heights.z, heights.x))) & 0x80000000u);\n",
+                s.x, s.y
+            )
+        })
+    });
+    let head = "samples_crossed(heights: vec3f, a: vec2f, b: vec2f, flip: u32, round: u32)";
+    function(head, &|samples| {
+        halves(samples, &|word, s| {
+            format!(
+                "{word} = ({word} >> 1u) | sample_crossed(vec2f({:?}, {:?}), heights, a, b, flip);\n",
+                s.x, s.y
+            )
+        })
+    });
+    // The one that is written by hand.
+    let own = shadowgraph_shaders::source("common/light_samples").unwrap_or_default();
+    code + own.find("fn sample_crossed").map_or("", |place| &own[place..])
 }

@@ -6,32 +6,6 @@
 #import common/frame
 #import common/fullscreen
 
-// An edge that can be a silhouette. Positions and planes are relative to the caster's centre, directions those of the world.
-struct SoftEdge {
-    // Its ends, the lower first in the order of their coordinates: all that computes with it does so in one order.
-    a: vec3f,
-    caster: u32,
-    b: vec3f,
-    // Bit 0, bit 1: the first, the second triangle runs against it. Bit 2: they count for points behind them only.
-    bits: u32,
-    // Unit normals and offsets of its one or two triangles; 0 where there is no second.
-    plane_1: vec4f,
-    plane_2: vec4f,
-}
-
-struct SoftTriangle {
-    // Its corners in the order of their coordinates.
-    a: vec3f,
-    caster: u32,
-    b: vec3f,
-    // Bit 0: its plane faces the other way than a, b, c run. Bit 2: it counts for points behind it only. Bits 3 and 4: the
-    // light's centre is before it, or behind.
-    bits: u32,
-    c: vec3f,
-    pad_0: u32,
-    plane: vec4f,
-}
-
 // Triangles that lie together, and the sphere around them.
 struct SoftCluster {
     center: vec3f,
@@ -56,13 +30,13 @@ struct GridPlane {
     z_length: f32,
 }
 
-struct SoftCasters {
+struct SoftHead {
     // The columns of the rotation that takes directions from view space to the world.
     world_x: vec3f,
     // 1, or 6: along +x, −x, +y, −y, +z, −z, each of which shows what lies within the pyramid |x|, |y| <= z.
     plane_count: u32,
     world_y: vec3f,
-    // Cells along a side of a plane.
+    // Cells along a side of a plane, for edges.
     side: u32,
     world_z: vec3f,
     slice_count: u32,
@@ -75,23 +49,38 @@ struct SoftCasters {
     // Of all clusters those at first that are not in the lists; and how many there are.
     near_clusters: u32,
     cluster_count: u32,
-    sample_count: u32,
-    pad_0: u32,
+    // Cells along a side of a plane for triangles, and where their lists begin.
+    triangle_side: u32,
+    triangle_lists: u32,
     // Where slices end, as distances from the light, or along its direction from the planes' origin.
     slice_ends: array<vec4f, 2>,
     planes: array<GridPlane, 6>,
-    // From the eye to the middle of each caster's bounds, and how far that is.
-    casters: array<vec4f>,
 }
 
-@group(1) @binding(0) var<storage, read> soft: SoftCasters;
+@group(1) @binding(0) var<storage, read> soft: SoftHead;
 #if CASTERS
-@group(1) @binding(1) var<storage, read> soft_edges: array<SoftEdge>;
-@group(1) @binding(2) var<storage, read> soft_triangles: array<SoftTriangle>;
-// For each cell, plane by plane, slice by slice and row by row, where the numbers of its edges begin and where those of its
-// triangles do; the end; then these.
-@group(1) @binding(3) var<storage, read> soft_lists: array<u32>;
+// What follows is packed: texel i of it is at (i % 2048, i / 2048).
+//
+// An edge that can be a silhouette, in four texels. Positions and planes are relative to the caster's centre, directions
+// those of the world.
+// 0: its lower end a, in the order of coordinates, so that all that computes with it does so in one order; its caster.
+// 1: its upper end b; bits: 0 and 1, the first and the second triangle run against it; 2, they count for points behind
+//    them only.
+// 2, 3: unit normals and offsets of its one or two triangles; 0 where there is no second.
+@group(1) @binding(1) var soft_edges: texture_2d<u32>;
+// A triangle, in four texels.
+// 0: corner a, its caster. 1: corner b; bits: 0, its plane faces the other way than a, b, c run; 2, it counts for points
+// behind it only; 3 and 4, the light's centre is before it, or behind. 2: corner c. 3: its plane. Corners are in the order
+// of their coordinates.
+@group(1) @binding(2) var soft_triangles: texture_2d<u32>;
+// Words: for each cell, plane by plane, slice by slice and row by row, where the numbers of its edges begin, and where the
+// last ones end; the same of triangles, without slices; then these numbers.
+@group(1) @binding(3) var soft_lists: texture_2d<u32>;
+// From the eye to the middle of each caster's bounds, and how far that is.
+@group(1) @binding(5) var soft_centers: texture_2d<u32>;
+#if CLUSTERS
 @group(1) @binding(4) var<storage, read> soft_clusters: array<SoftCluster>;
+#endif
 #endif
 @group(1) @binding(6) var receiver_depth: texture_depth_2d;
 @group(1) @binding(7) var receiver_normals: texture_2d<f32>;
@@ -109,8 +98,7 @@ struct Receiver {
     step: vec3f,
     // Its distance from the eye.
     distance: f32,
-    // Unit normal on the eye's side, in the frame.
-    normal: vec3f,
+    // The frame.
     u: vec3f,
     v: vec3f,
     w: vec3f,
@@ -126,75 +114,115 @@ fn world_from_view(d: vec3f) -> vec3f {
 
 // The visible point `ulps` ulps of depth nearer to the horizon, from the eye, in view space.
 fn deeper(pixel: vec2f, depth: f32) -> vec3f {
-    if frame.eye_w > 0.0 {
-        let ulps = min(DEPTH_ULPS, bitcast<u32>(depth) - 1u);
-        return view_from_pixel(pixel, bitcast<f32>(bitcast<u32>(depth) - ulps));
-    }
     // Orthographic depth is a difference of two numbers around 1: an ulp is one of 1.
-    return view_from_pixel(pixel, depth - f32(DEPTH_ULPS) * 1.1920929e-7);
+    let ulps = min(DEPTH_ULPS, bitcast<u32>(depth) - 1u);
+    let ulps_deeper = bitcast<f32>(bitcast<u32>(depth) - ulps);
+    return view_from_pixel(pixel, select(depth - f32(DEPTH_ULPS) * 1.1920929e-7, ulps_deeper, frame.eye_w > 0.0));
 }
 
-// The point at `pixel`, whose depth is not 0, and its light. `normal` is in view space.
-fn receiver_at(pixel: vec2f, depth: f32, normal: vec3f) -> Receiver {
+// The point at `pixel`, whose depth is not 0, and where its light is. What depends on the frame is left out.
+fn receiver_at(pixel: vec2f, depth: f32) -> Receiver {
     var r: Receiver;
     r.p = world_from_view(view_from_pixel(pixel, depth));
-    r.step = world_from_view(deeper(pixel, depth)) - r.p;
-    r.distance = length(r.p);
     let offset = soft.light.xyz - r.p * soft.light.w;
     r.light_distance = length(offset);
     r.w = offset / r.light_distance;
+    // The disc's radius R·d/sqrt(d² − R²) over d; for a direction d is 1 and the disc as large as it is.
+    let tangent = (r.light_distance - soft.radius) * (r.light_distance + soft.radius);
+    let k = select(0.0, soft.radius * inverseSqrt(max(tangent, 1e-37)), tangent > 0.0);
+    r.k = select(soft.radius, k, soft.light.w > 0.0);
+    return r;
+}
+
+// The same with its frame, and with how far it may be off.
+fn with_frame(receiver: Receiver, pixel: vec2f, depth: f32) -> Receiver {
+    var r = receiver;
+    r.step = world_from_view(deeper(pixel, depth)) - r.p;
+    r.distance = length(r.p);
     // Unit axes across w: where it is +Y they are +X and −Z, from where the shortest turn takes them along.
     let across = r.w.x * r.w.x + r.w.z * r.w.z;
-    var a = 1.0 / (1.0 + r.w.y);
-    if r.w.y < 0.0 {
-        a = (1.0 - r.w.y) / across;
-    }
-    r.u = vec3f(1.0 - r.w.x * r.w.x * a, -r.w.x, -r.w.x * r.w.z * a);
-    r.v = vec3f(r.w.x * r.w.z * a, r.w.z, r.w.z * r.w.z * a - 1.0);
-    if r.w.y < 0.0 && across == 0.0 {
-        r.u = vec3f(1.0, 0.0, 0.0);
-        r.v = vec3f(0.0, 0.0, 1.0);
-    }
-    let n = world_from_view(normal);
-    r.normal = vec3f(dot(n, r.u), dot(n, r.v), dot(n, r.w));
-    r.k = soft.radius;
-    if soft.light.w > 0.0 {
-        // The disc's radius R·d/sqrt(d² − R²) over d.
-        let tangent = (r.light_distance - soft.radius) * (r.light_distance + soft.radius);
-        r.k = select(0.0, soft.radius * inverseSqrt(max(tangent, 1e-37)), tangent > 0.0);
-    }
+    let a = select(1.0 / (1.0 + r.w.y), (1.0 - r.w.y) / across, r.w.y < 0.0);
+    let pole = r.w.y < 0.0 && across == 0.0;
+    r.u = select(vec3f(1.0 - r.w.x * r.w.x * a, -r.w.x, -r.w.x * r.w.z * a), vec3f(1.0, 0.0, 0.0), pole);
+    r.v = select(vec3f(r.w.x * r.w.z * a, r.w.z, r.w.z * r.w.z * a - 1.0), vec3f(0.0, 0.0, 1.0), pole);
     return r;
 }
 
 #if CASTERS
-// Whether lists hold for this receiver: nearer than two radii to the light, all triangles are asked.
-fn has_lists(r: Receiver) -> bool {
-    return soft.light.w == 0.0 || r.light_distance >= 2.0 * soft.radius;
+fn packed(words: texture_2d<u32>, texel: u32) -> vec4u {
+    return textureLoad(words, vec2u(texel & 2047u, texel >> 11u), 0);
 }
 
-// The number of the receiver's cell; none where nothing is listed.
-const NO_CELL: u32 = 0xffffffffu;
+fn list_word(place: u32) -> u32 {
+    let four = packed(soft_lists, place >> 2u);
+    let two = select(four.xy, four.zw, (place & 2u) != 0u);
+    return select(two.x, two.y, (place & 1u) != 0u);
+}
 
-fn cell_of(r: Receiver) -> u32 {
+fn center_of(caster: u32) -> vec4f {
+    return bitcast<vec4f>(packed(soft_centers, caster));
+}
+
+// Part of the lists.
+struct CellList {
+    first: u32,
+    end: u32,
+}
+
+// What may hide the light of a receiver.
+struct Lists {
+    edges: CellList,
+    triangles: CellList,
+    // So many clusters from the first.
+    clusters: u32,
+}
+
+// The receiver's cell on a plane, of `side` cells along a side; nothing is listed where `inside` is false.
+struct Cell {
+    inside: bool,
+    plane: u32,
+    // From 0 to 1 across the plane.
+    place: vec2f,
+}
+
+fn cell_of(r: Receiver) -> Cell {
     let d = r.p - soft.origin;
-    var plane_number = 0u;
-    if soft.plane_count > 1u {
-        let size = abs(d);
-        var axis = select(0u, 1u, size.y > size.x);
-        axis = select(axis, 2u, size.z > max(size.x, size.y));
-        plane_number = axis * 2u + select(0u, 1u, d[axis] < 0.0);
+    let size = abs(d);
+    let second = size.y > size.x;
+    let third = size.z > max(size.x, size.y);
+    let axis = select(select(0u, 1u, second), 2u, third);
+    let along = select(select(d.x, d.y, second), d.z, third);
+    let plane = select(0u, axis * 2u + select(0u, 1u, along < 0.0), soft.plane_count > 1u);
+    let z = dot(soft.planes[plane].z_axis, d) + soft.planes[plane].z_offset;
+    let xy = vec2f(dot(soft.planes[plane].x_axis, d), dot(soft.planes[plane].y_axis, d));
+    return Cell(z > 0.0 && all(abs(xy) <= vec2f(z * 1.00001)), plane, xy / z * 0.5 + 0.5);
+}
+
+fn cell_number(cell: Cell, layer: u32, side: u32) -> u32 {
+    let place = vec2u(clamp(cell.place * f32(side), vec2f(0.0), vec2f(f32(side) - 1.0)));
+    return (layer * side + place.y) * side + place.x;
+}
+
+fn lists_of(r: Receiver) -> Lists {
+    let none = CellList(0u, 0u);
+    // Nearer than two radii to the light, all triangles are asked.
+    if soft.light.w > 0.0 && r.light_distance < 2.0 * soft.radius {
+        return Lists(none, none, soft.cluster_count);
     }
-    let z = dot(soft.planes[plane_number].z_axis, d) + soft.planes[plane_number].z_offset;
-    let xy = vec2f(dot(soft.planes[plane_number].x_axis, d), dot(soft.planes[plane_number].y_axis, d));
-    if z <= 0.0 || any(abs(xy) > vec2f(z * 1.00001)) {
-        return NO_CELL;
+    let cell = cell_of(r);
+    if !cell.inside {
+        return Lists(none, none, soft.near_clusters);
     }
-    let side = f32(soft.side);
-    let place = vec2u(clamp((xy / z * 0.5 + 0.5) * side, vec2f(0.0), vec2f(side - 1.0)));
-    let along = select(dot(soft.planes[0].away, d), r.light_distance, soft.light.w > 0.0);
+    let along = select(dot(soft.planes[0].away, r.p - soft.origin), r.light_distance, soft.light.w > 0.0);
     let before = vec4u(vec4f(along) > soft.slice_ends[0]) + vec4u(vec4f(along) > soft.slice_ends[1]);
     let slice = min(before.x + before.y + before.z + before.w, soft.slice_count - 1u);
-    return ((plane_number * soft.slice_count + slice) * soft.side + place.y) * soft.side + place.x;
+    let edges = cell_number(cell, cell.plane * soft.slice_count + slice, soft.side);
+    let triangles = soft.triangle_lists + cell_number(cell, cell.plane, soft.triangle_side);
+    return Lists(
+        CellList(list_word(edges), list_word(edges + 1u)),
+        CellList(list_word(triangles), list_word(triangles + 1u)),
+        soft.near_clusters,
+    );
 }
 
 // On which side of a plane the receiver is, `from_center` from the centre of the plane's caster: 0 when rounding cannot
@@ -237,59 +265,93 @@ fn axis_crossing(a: vec3f, b: vec3f, at_center: f32) -> i32 {
     return select(0, 1, upward && at_center >= 0.0) - select(0, 1, downward && at_center < 0.0);
 }
 
+// A triangle in the receiver's frame.
+struct SeenTriangle {
+    a: vec3f,
+    b: vec3f,
+    c: vec3f,
+    // Edges a → b, b → c and a → c: see edge_heights.
+    ab: vec3f,
+    bc: vec3f,
+    ac: vec3f,
+    // The side of its plane that the receiver is on.
+    side: i32,
+    bits: u32,
+    plane: vec4f,
+    // From the middle of the caster's bounds to the receiver.
+    from_center: vec3f,
+}
+
+fn seen_triangle(number: u32, r: Receiver) -> SeenTriangle {
+    let first = packed(soft_triangles, number * 4u);
+    let second = packed(soft_triangles, number * 4u + 1u);
+    let a = bitcast<vec3f>(first.xyz);
+    let b = bitcast<vec3f>(second.xyz);
+    let c = bitcast<vec3f>(packed(soft_triangles, number * 4u + 2u).xyz);
+    let caster = center_of(first.w);
+    var seen: SeenTriangle;
+    seen.plane = bitcast<vec4f>(packed(soft_triangles, number * 4u + 3u));
+    seen.from_center = r.p - caster.xyz;
+    seen.side = side_of(seen.plane, r, seen.from_center, caster.w);
+    seen.bits = second.w;
+    seen.a = in_frame(r, a - seen.from_center);
+    seen.b = in_frame(r, b - seen.from_center);
+    seen.c = in_frame(r, c - seen.from_center);
+    seen.ab = edge_heights(seen.a, in_frame(r, b - a));
+    seen.bc = edge_heights(seen.b, in_frame(r, c - b));
+    seen.ac = edge_heights(seen.a, in_frame(r, c - a));
+    return seen;
+}
+
 // How many times a triangle hides the light's centre: 0 or 1, but where rounding cannot tell neighbours apart; there,
 // and only there, their sum is right.
 fn hides_center(number: u32, r: Receiver) -> i32 {
-    let t = soft_triangles[number];
-    let caster = soft.casters[t.caster];
-    let from_center = r.p - caster.xyz;
-    let side = side_of(t.plane, r, from_center, caster.w);
-    let opposite = (side < 0 && (t.bits & 8u) != 0u) || (side > 0 && (t.bits & 16u) != 0u);
-    if !opposite || weight_of(side, t.bits) == 0 {
-        return 0;
-    }
-    let a = in_frame(r, t.a - from_center);
-    let b = in_frame(r, t.b - from_center);
-    let c = in_frame(r, t.c - from_center);
-    let turns = axis_crossing(a, b, edge_heights(a, in_frame(r, t.b - t.a)).x)
-        + axis_crossing(b, c, edge_heights(b, in_frame(r, t.c - t.b)).x)
-        - axis_crossing(a, c, edge_heights(a, in_frame(r, t.c - t.a)).x);
-    return select(-side, side, (t.bits & 1u) != 0u) * turns;
+    let t = seen_triangle(number, r);
+    let opposite = (t.side < 0 && (t.bits & 8u) != 0u) || (t.side > 0 && (t.bits & 16u) != 0u);
+    let turns = axis_crossing(t.a, t.b, t.ab.x) + axis_crossing(t.b, t.c, t.bc.x) - axis_crossing(t.a, t.c, t.ac.x);
+    let weight = select(0, weight_of(t.side, t.bits), opposite);
+    return select(-weight, weight, (t.bits & 1u) != 0u) * turns;
 }
 
-// How many triangles in the lists of `cell` hide the light's centre.
-fn center_count(cell: u32, r: Receiver) -> i32 {
+// How many of the listed triangles hide the light's centre.
+fn center_count(list: CellList, r: Receiver) -> i32 {
     var count = 0;
-    let end = soft_lists[2u * cell + 2u];
-    for (var place = soft_lists[2u * cell + 1u]; place < end; place += 1u) {
-        count += hides_center(soft_lists[place], r);
+    for (var place = list.first; place < list.end; place += 1u) {
+        count += hides_center(list_word(place), r);
     }
     return count;
 }
 
 // An edge in the receiver's frame.
 struct SeenEdge {
-    a: vec3f,
-    b: vec3f,
+    // Its ends across the light's centre.
+    a: vec2f,
+    b: vec2f,
     // See edge_heights; already for samples of the unit disc.
     heights: vec3f,
-    // By how much the number of triangles before the light changes from its left to its right; 0 where it is none.
+    // By how much the number of triangles before the light changes from the left of the edge to its right; 0 also where its
+    // line does not cross the disc.
     weight: i32,
 }
 
 fn seen_edge(number: u32, r: Receiver) -> SeenEdge {
-    let e = soft_edges[number];
-    let caster = soft.casters[e.caster];
+    let first = packed(soft_edges, number * 4u);
+    let second = packed(soft_edges, number * 4u + 1u);
+    let plane_1 = bitcast<vec4f>(packed(soft_edges, number * 4u + 2u));
+    let plane_2 = bitcast<vec4f>(packed(soft_edges, number * 4u + 3u));
+    let caster = center_of(first.w);
+    let bits = second.w;
     let from_center = r.p - caster.xyz;
-    let weight_1 = weight_of(side_of(e.plane_1, r, from_center, caster.w), e.bits);
-    let weight_2 = weight_of(side_of(e.plane_2, r, from_center, caster.w), e.bits);
-    var seen: SeenEdge;
-    seen.weight = select(weight_1, -weight_1, (e.bits & 1u) != 0u) + select(weight_2, -weight_2, (e.bits & 2u) != 0u);
-    seen.a = in_frame(r, e.a - from_center);
-    seen.b = in_frame(r, e.b - from_center);
-    let heights = edge_heights(seen.a, in_frame(r, e.b - e.a));
-    seen.heights = vec3f(heights.x, heights.yz * r.k);
-    return seen;
+    let weight_1 = weight_of(side_of(plane_1, r, from_center, caster.w), bits);
+    let weight_2 = weight_of(side_of(plane_2, r, from_center, caster.w), bits);
+    let weight = select(weight_1, -weight_1, (bits & 1u) != 0u) + select(weight_2, -weight_2, (bits & 2u) != 0u);
+    let a_in_world = bitcast<vec3f>(first.xyz);
+    let b_in_world = bitcast<vec3f>(second.xyz);
+    let a = in_frame(r, a_in_world - from_center);
+    let b = in_frame(r, b_in_world - from_center);
+    let along = edge_heights(a, in_frame(r, b_in_world - a_in_world));
+    let heights = vec3f(along.x, along.yz * r.k);
+    return SeenEdge(a.xy, b.xy, heights, select(0, weight, crosses_disc(heights)));
 }
 
 // Whether the line of these heights crosses the unit disc, or may.
@@ -297,9 +359,10 @@ fn crosses_disc(heights: vec3f) -> bool {
     return heights.x * heights.x <= dot(heights.yz, heights.yz) * 1.00001;
 }
 
+#if CLUSTERS
 // Whether a sphere may reach into the cone from the receiver to the disc.
 fn may_reach(cluster: SoftCluster, r: Receiver) -> bool {
-    let caster = soft.casters[cluster.caster];
+    let caster = center_of(cluster.caster);
     let radius_m = cluster.radius_m + ROUNDING * (r.distance + caster.w);
     let d = in_frame(r, cluster.center + caster.xyz - r.p);
     let across = length(d.xy);
@@ -307,4 +370,5 @@ fn may_reach(cluster: SoftCluster, r: Receiver) -> bool {
     let beyond = select(d.z - radius_m * 1.00001 > r.light_distance, false, soft.light.w == 0.0);
     return across - r.k * d.z <= radius_m * sqrt(1.0 + r.k * r.k) * 1.00001 && d.z >= -radius_m * 1.00001 && !beyond;
 }
+#endif
 #endif
