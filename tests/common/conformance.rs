@@ -1,7 +1,7 @@
 //! Every technique × every case × every setting, each held to its row of the table.
 
 use shadowgraph::cases::{Answer, Case, Expect};
-use shadowgraph::engine::shadow::{Setting, TechniqueEntry};
+use shadowgraph::engine::shadow::{Setting, ShadowError, TechniqueEntry};
 use shadowgraph::measure::{
     ErrorTable, EvaluateError, Evaluation, KnownReferences, LightError, evaluate_again,
 };
@@ -69,10 +69,11 @@ fn try_one(
             return trial;
         }
     };
+    let receivers_only = (entry.from_params)(&(setting.params)()).is_ok_and(|t| t.shades_receivers_only());
     let request = case.request();
     let result = evaluate_again(renderer, &scene, &request, references, &|_, _| {});
     trial.accepted = result.is_ok();
-    trial.complaint = complaint(case, &result, row).map(|complaint| match setting.name {
+    trial.complaint = complaint(case, &result, row, receivers_only).map(|complaint| match setting.name {
         "default" => complaint,
         _ => format!("{complaint} [{}]", setting.why),
     });
@@ -80,8 +81,14 @@ fn try_one(
     trial
 }
 
-/// What is wrong with a result, in a few lines.
-fn complaint(case: &Case, result: &Result<Evaluation, EvaluateError>, row: &Row) -> Option<String> {
+/// What is wrong with a result, in a few lines. What shades receivers only may find none that it accepts, and no shadow on
+/// those it finds; that it finds enough is in its row, and for the techniques' own tests.
+fn complaint(
+    case: &Case,
+    result: &Result<Evaluation, EvaluateError>,
+    row: &Row,
+    receivers_only: bool,
+) -> Option<String> {
     let answer = case.answer(row.technique);
     let owed = match (answer, &case.expect) {
         (Answer::Refuses { .. }, _) | (_, Expect::Refused { .. }) => Tolerance::Refused,
@@ -97,9 +104,17 @@ fn complaint(case: &Case, result: &Result<Evaluation, EvaluateError>, row: &Row)
         (Ok(_), Tolerance::Refused) => return Some("drew something, but should refuse".into()),
         (Ok(evaluation), _) => evaluation,
         (Err(error), Tolerance::Refused | Tolerance::ExactWhereAccepted) if is_refusal(error) => return None,
+        (Err(EvaluateError::Render(RenderError::Shadow(ShadowError::ReceiverRefused { .. }))), _)
+            if receivers_only =>
+        {
+            return None;
+        }
         (Err(error), _) => return Some(format!("failed: {error}")),
     };
-    let wrong = evaluation.errors.iter().filter_map(|error| complaint_about(case, error, answer, owed));
+    let wrong = evaluation.errors.iter().filter_map(|error| match receivers_only {
+        true if error.compared == 0 => None,
+        _ => complaint_about(case, error, (answer, receivers_only), owed),
+    });
     let wrong: Vec<String> = wrong.collect();
     (!wrong.is_empty()).then(|| wrong.join("\n"))
 }
@@ -109,7 +124,12 @@ fn is_refusal(error: &EvaluateError) -> bool {
     matches!(error, EvaluateError::Render(RenderError::Shadow(_) | RenderError::Frame(_)))
 }
 
-fn complaint_about(case: &Case, error: &LightError, answer: Answer, owed: Tolerance) -> Option<String> {
+fn complaint_about(
+    case: &Case,
+    error: &LightError,
+    (answer, receivers_only): (Answer, bool),
+    owed: Tolerance,
+) -> Option<String> {
     let name = &error.name;
     // Where nothing is visible there is nothing to compare, and only then.
     if case.expect == Expect::NoShadow && error.hit_pixels == 0 {
@@ -132,7 +152,7 @@ fn complaint_about(case: &Case, error: &LightError, answer: Answer, owed: Tolera
         let table = ErrorTable(std::slice::from_ref(error)).to_string();
         return Some(format!("{name}: {leaks} leaks and {dark} false shadows outside the band\n{table}"));
     }
-    if matches!(answer, Answer::LeavesOut { .. }) {
+    if matches!(answer, Answer::LeavesOut { .. }) || receivers_only {
         return None;
     }
     let lit = error.shadow_pixels < error.compared;

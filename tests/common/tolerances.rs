@@ -76,6 +76,30 @@ const fn lids(false_share: f64) -> Tolerance {
     Tolerance::Within(Bound { leak_share: 0.0, false_share, rmse: 1.0, penumbra_rmse: 1.0, max: 1.0, why })
 }
 
+/// Points of a light: steps in penumbrae, so RMSE is the mean over whole penumbrae or frames. No pixel is wrong by more than
+/// half outside the band, but for a texture's rounding of edges to texels.
+const fn points(rmse: f64, wrong_share: f64) -> Tolerance {
+    let why = "so many points stand for a light; the reference takes 1024";
+    let (leak_share, false_share) = (wrong_share, wrong_share);
+    // A pixel whose centre is on the edge of something that touches the receiver is wrong altogether, and within the band.
+    Tolerance::Within(Bound { leak_share, false_share, rmse, penumbra_rmse: rmse, max: 1.0, why })
+}
+
+/// What hides the light from within its sphere does so before points in the ball, or behind them, where the disc has it
+/// the other way round.
+const fn casters_within(rmse: f64) -> Tolerance {
+    let why =
+        "a caster within the light's sphere is before some points of the ball that are behind it on the disc";
+    let (leak_share, false_share) = (0.02, 0.02);
+    Tolerance::Within(Bound { leak_share, false_share, rmse, penumbra_rmse: rmse, max: 1.0, why })
+}
+
+const PLANAR: &str = "SoftShadow";
+
+const fn planar(setting: &'static str, owes: Tolerance, except: &'static [(&'static str, Tolerance)]) -> Row {
+    Row { technique: PLANAR, setting, owes, except, accepts_at_least: 240 }
+}
+
 /// The built-in techniques.
 pub(crate) const ROWS: &[Row] = &[
     exact(HARD, "default"),
@@ -116,6 +140,53 @@ pub(crate) const ROWS: &[Row] = &[
     // Masked parts are no counts, which is all that a single pass takes.
     Row { except: &[("alpha-mask", Tolerance::Refused)], ..exact(HARD, "single") },
     exact(HARD, "smooth"),
+    planar(
+        "default",
+        points(0.07, 0.0005),
+        &[
+            ("msaa", Tolerance::Refused),
+            ("light-on-edge", casters_within(0.12)),
+            ("light-on-vertex", casters_within(0.12)),
+            ("light-touches-caster", casters_within(0.12)),
+            ("caster-in-light", casters_within(0.12)),
+        ],
+    ),
+    planar(
+        "64 samples",
+        points(0.024, 0.0005),
+        &[
+            ("msaa", Tolerance::Refused),
+            ("light-on-edge", casters_within(0.12)),
+            ("light-on-vertex", casters_within(0.12)),
+            ("light-touches-caster", casters_within(0.12)),
+            ("caster-in-light", casters_within(0.12)),
+            // Hardly any of the light is above the horizon there, and few points.
+            ("receiver-inside-light", points(0.04, 0.0005)),
+        ],
+    ),
+    planar(
+        "256 samples",
+        points(0.012, 0.0005),
+        &[
+            ("msaa", Tolerance::Refused),
+            ("light-on-edge", casters_within(0.12)),
+            ("light-on-vertex", casters_within(0.12)),
+            ("light-touches-caster", casters_within(0.12)),
+            ("caster-in-light", casters_within(0.12)),
+            ("receiver-inside-light", points(0.03, 0.0005)),
+        ],
+    ),
+    planar(
+        "texture",
+        points(0.07, 0.002),
+        &[
+            ("msaa", Tolerance::Refused),
+            ("light-on-edge", casters_within(0.12)),
+            ("light-on-vertex", casters_within(0.12)),
+            ("light-touches-caster", casters_within(0.12)),
+            ("caster-in-light", casters_within(0.12)),
+        ],
+    ),
     // Its factors are computed for each fragment: four samples a pixel are refused.
     Row { except: &[("msaa", Tolerance::ExactWhereAccepted)], ..exact("Reference", "default") },
 ];
