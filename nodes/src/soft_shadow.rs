@@ -22,7 +22,9 @@
 //! This file says what is drawn; `options` how it is asked for, `receivers` where, `casters` what, `points` from where.
 //!
 //! *Limits.* `samples` points give steps in penumbrae, and an error that falls about as samples^-0.8. Rasterisation snaps
-//! vertices to 1/256 pixel. Receivers that are not planar are refused.
+//! vertices to 1/256 pixel. A caster within the light's own sphere is before some points of the ball that are behind it on the
+//! disc, and behind others: up to 0.1 of the factor is wrong there whatever the samples (it would take the distance along the
+//! ray, pixel by pixel). Receivers that are not planar are refused.
 
 mod canvas;
 mod casters;
@@ -57,7 +59,8 @@ impl ShadowTechnique for SoftShadow {
     }
 
     fn known_error(&self) -> &'static str {
-        "a light is as many points as there are samples: steps in penumbrae, by an error of about 0.4 samples^-0.8; and \
+        "a light is as many points as there are samples: steps in penumbrae, by an error of about 0.4 samples^-0.8; casters \
+         within a light's own sphere, which hide some points that they should not and the other way round; and \
          rasterisation: pixels whose centre is within 1/256 pixel of a point's shadow edge"
     }
 
