@@ -1,8 +1,8 @@
-//! Shadows on named planes: a floor, a wall and a tilted board receive, each with crisp contacts and soft edges; and the
-//! fill light's shadow is tinted, and drawn once into textures that the receivers wear.
+//! Shadows on named planes: a floor, a wall and a tilted board receive, each with crisp contacts and soft edges; and
+//! the fill light's shadow is tinted, and drawn once into textures that the receivers wear.
 //!
-//! The table's own legs and the ball are no receivers, so no shadow falls on them: `SoftShadow` flattens casters onto planes,
-//! and asks for their names. Its plan says which passes a second frame does not run.
+//! The table's own legs and the ball are no receivers, so no shadow falls on them: `SoftShadow` flattens casters onto
+//! planes, and asks for their names. Its plan says which passes a second frame does not run.
 //!
 //! `cargo run --example 12_planar` draws `out/12_planar.png`.
 

@@ -1,5 +1,6 @@
 //! `SoftShadow` on a GPU: exact for lights without a size, converging for those with one, kept in textures, crisp from
-//! nearby. That it is exact on every hard case's planes is also what `conformance` asks; here it is asked without a size.
+//! nearby. That it is exact on every hard case's planes is also what `conformance` asks; here it is asked without a
+//! size.
 
 #![allow(
     clippy::unwrap_used,

@@ -1,19 +1,22 @@
 //! `SoftShadow`: soft shadows on planes, by flattening the casters from each point of the light.
 //!
 //! *The idea.* What a light's point leaves dark on a plane is the casters' triangles projected onto it. They are drawn
-//! there, once for each of `samples` points of the light, and a pixel of the receiver gets the share of points that none
-//! of them hides. Any plane receives; any triangles cast.
+//! there, once for each of `samples` points of the light, and a pixel of the receiver gets the share of points that
+//! none of them hides. Any plane receives; any triangles cast.
 //!
 //! *Sources.* Blinn 1988; Lindrud & Löfgren 2004 §5.2, whose node had this name and its faults: here are their cures.
 //!
 //! - *Shadows past the receiver's edge.* Only pixels in which the receiver is the visible surface are shaded.
-//! - *Double darkening.* A point of the light marks a pixel once: the stencil holds the number of the point that marked it
+//! - *Double darkening.* A point of the light marks a pixel once: the stencil holds the number of the point that
+//! marked it
 //!   last, and a point's own number does not mark again. What is marked is one bit, so each point's shadow is known by
 //!   itself.
 //! - *Shadows of what is behind the light.* Their w is negative, and clipped: see [`casters::clip_from_caster`].
 //! - *Shadows of what is under the plane.* Cut off on the CPU, in f64, with all that lies in the plane itself.
-//! - *Fixed points are not the light.* The light is a disc that each receiver sees at another angle. The points are spread
-//!   in a ball so that they look like that disc from everywhere, weighed for nearness: see [`points`]. With their number
+//! - *Fixed points are not the light.* The light is a disc that each receiver sees at another angle. The points are
+//! spread
+//!   in a ball so that they look like that disc from everywhere, weighed for nearness: see [`points`]. With their
+//! number
 //!   the factor converges to the exact one.
 //!
 //! Which side of the plane is lit is decided by the eye: what is seen is the side it is on. Points of the light on the
@@ -21,10 +24,10 @@
 //!
 //! This file says what is drawn; `options` how it is asked for, `receivers` where, `casters` what, `points` from where.
 //!
-//! *Limits.* `samples` points give steps in penumbrae, and an error that falls about as samples^-0.8. Rasterisation snaps
-//! vertices to 1/256 pixel. A caster within the light's own sphere is before some points of the ball that are behind it on the
-//! disc, and behind others: up to 0.1 of the factor is wrong there whatever the samples (it would take the distance along the
-//! ray, pixel by pixel). Receivers that are not planar are refused.
+//! *Limits.* `samples` points give steps in penumbrae, and an error that falls about as samples^-0.8. Rasterisation
+//! snaps vertices to 1/256 pixel. A caster within the light's own sphere is before some points of the ball that are
+//! behind it on the disc, and behind others: up to 0.1 of the factor is wrong there whatever the samples (it would
+//! take the distance along the ray, pixel by pixel). Receivers that are not planar are refused.
 
 mod canvas;
 mod casters;
@@ -59,7 +62,7 @@ impl ShadowTechnique for SoftShadow {
     }
 
     fn known_error(&self) -> &'static str {
-        "a light is as many points as there are samples: steps in penumbrae, by an error of about 0.4 samples^-0.8; casters \
+        "a light is as many points as there are samples: steps in penumbrae, by about 0.4 samples^-0.8; casters \
          within a light's own sphere, which hide some points that they should not and the other way round; and \
          rasterisation: pixels whose centre is within 1/256 pixel of a point's shadow edge"
     }

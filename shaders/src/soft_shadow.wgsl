@@ -1,4 +1,5 @@
-// Planar shadows: casters flattened onto a receiver's plane from each point of a light, and what of the light they leave.
+// Planar shadows: casters flattened onto a receiver's plane from each point of a light, and what of the light they
+// leave.
 //
 // For every point of the light the casters' triangles are drawn where their shadow falls, which marks one bit of each
 // pixel of the receiver; the stencil lets a point mark a pixel once. Then the receiver's pixels weigh their bits.

@@ -1,7 +1,7 @@
 //! What shadows are drawn on: the picture, or a texture on the receiver.
 //!
-//! Both are seen by a rigid camera: the eye, or one that looks straight down onto the plane. So casters are flattened and
-//! bits weighed by the same code.
+//! Both are seen by a rigid camera: the eye, or one that looks straight down onto the plane. So casters are flattened
+//! and bits weighed by the same code.
 
 use std::sync::Arc;
 
@@ -45,7 +45,8 @@ macro_rules! fields {
     ($type:ty: $($field:ident),*) => { vec![$((stringify!($field), std::mem::offset_of!($type, $field))),*] };
 }
 
-/// Every structure of the shader as it is here, and the flags under which the shader has it: what the layout test compares.
+/// Every structure of the shader as it is here, and the flags under which the shader has it: what the layout test
+/// compares.
 pub fn planar_layouts() -> [(&'static str, &'static str, Layout); 3] {
     use super::casters::MaskedCorner;
     let mut light = fields!(PlanarLight: center, radius_m, count, center_point, half_m);
@@ -89,7 +90,8 @@ impl Canvas {
         }
     }
 
-    /// A texture over where shadows may fall on `receiver`, its longer side of `resolution` texels; `None` where none fall.
+    /// A texture over where shadows may fall on `receiver`, its longer side of `resolution` texels; `None` where none
+    /// fall.
     pub(super) fn texture(
         light: &mut LightPlan<'_>,
         receiver: &Receiver,

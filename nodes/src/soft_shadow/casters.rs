@@ -1,8 +1,8 @@
 //! What casts onto a plane: the part of every caster on the plane's lit side, as the shader reads it.
 //!
 //! Triangles in the plane or under it cast nothing on it, and of those that cross it only the part above does; both are
-//! decided in f64 on the CPU, and kept until caster or plane move. What reaches beyond the light is left to the clipping
-//! of the projected triangle: there its w is negative (see [`clip_from_caster`]).
+//! decided in f64 on the CPU, and kept until caster or plane move. What reaches beyond the light is left to the
+//! clipping of the projected triangle: there its w is negative (see [`clip_from_caster`]).
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -265,8 +265,8 @@ fn upload(
     (batch, key)
 }
 
-/// The indices of triangles that `point` does not see edge-on. The shadow of the others is a line; but a corner in which the
-/// point itself lies has none, and where it would be drawn is rounding.
+/// The indices of triangles that `point` does not see edge-on. The shadow of the others is a line; but a corner in
+/// which the point itself lies has none, and where it would be drawn is rounding.
 fn runs_seen(runs: &[Run], point: DVec4) -> Vec<u32> {
     let mut seen = Vec::new();
     let mut first = 0;
@@ -391,8 +391,8 @@ fn may_shadow(
     Ok(())
 }
 
-/// From a place relative to `center`, along the axes of the world, onto the plane as `light` sees it there, and from there
-/// to clip space.
+/// From a place relative to `center`, along the axes of the world, onto the plane as `light` sees it there, and from
+/// there to clip space.
 ///
 /// M = (π·L)·I − L·πᵀ maps a point to where its shadow falls; divided by π·L, the light's height, w is 1 − h/h_L. It is
 /// negative for what is farther from the plane than the light. Such shadows are no shadows, and never drawn: z in clip

@@ -1,8 +1,8 @@
 //! Fixed points that stand for a light with a size.
 //!
-//! *Why fixed.* A shadow is flattened onto a plane from one point, the same for the whole plane. But the light is defined
-//! as the disc each receiver point sees ([`shadowgraph_engine::shadow::LightSize`]), and these discs turn from receiver to
-//! receiver.
+//! *Why fixed.* A shadow is flattened onto a plane from one point, the same for the whole plane. But the light is
+//! defined as the disc each receiver point sees ([`shadowgraph_engine::shadow::LightSize`]), and these discs turn
+//! from receiver to receiver.
 //!
 //! *Points of a ball that look like a disc.* A uniform density on the unit sphere in four dimensions, of which one
 //! coordinate is dropped, is the density 1/√(1 − r²) in the ball; drop any second one, and a uniform disc is left. So
@@ -11,10 +11,11 @@
 //! closed form that the shader has (`weight` in soft_shadow.wgsl), so the mean converges to the light's factor wherever
 //! the receiver is.
 //!
-//! *Spread well.* As the engine's own points of a disc ([`light_samples`]) are, one dimension up: points look along many
-//! directions of space, and each moves towards where the point of its rank should be (sliced optimal transport). What a
-//! ball of this density shows along any direction is what a disc does. They start from super-Fibonacci spirals on the
-//! 3-sphere (Alexa 2022). RMS error of half-planes' shadows, over all directions within 60° of the plane's normal:
+//! *Spread well.* As the engine's own points of a disc ([`light_samples`]) are, one dimension up: points look along
+//! many directions of space, and each moves towards where the point of its rank should be (sliced optimal transport).
+//! What a ball of this density shows along any direction is what a disc does. They start from super-Fibonacci spirals
+//! on the 3-sphere (Alexa 2022). RMS error of half-planes' shadows, over all directions within 60° of the plane's
+//! normal:
 //!
 //! | points | these | the spirals | random | a sphere's surface, weighed by the cosine | the best disc, seen face on |
 //! |---|---|---|---|---|---|
@@ -51,8 +52,8 @@ pub(super) struct LightPoints {
 }
 
 impl LightPoints {
-    /// `count` points for `light`, or one where it has no size. `normal` is the plane's, and `nearest_m` the distance from
-    /// the light's centre to the nearest receiver.
+    /// `count` points for `light`, or one where it has no size. `normal` is the plane's, and `nearest_m` the distance
+    /// from the light's centre to the nearest receiver.
     pub(super) fn new(
         cache: &mut Cache,
         light: &PosedLight,
@@ -134,8 +135,8 @@ fn direction(number: u32) -> DVec3 {
     (DVec2::from_angle(v * TAU) * (1.0 - z * z).sqrt()).extend(z)
 }
 
-/// Where a line across the unit disc has `share` of its area on one side, which is also where a plane across the ball has
-/// that share of its points: the signed distance from the centre.
+/// Where a line across the unit disc has `share` of its area on one side, which is also where a plane across the ball
+/// has that share of its points: the signed distance from the centre.
 fn quantile(share: f64) -> f64 {
     let below = |t: f64| 0.5 + (t * (1.0 - t * t).max(0.0).sqrt() + t.asin()) / PI;
     let (mut low, mut high) = (-1.0, 1.0);
