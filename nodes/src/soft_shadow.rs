@@ -8,16 +8,13 @@
 //!
 //! - *Shadows past the receiver's edge.* Only pixels in which the receiver is the visible surface are shaded.
 //! - *Double darkening.* A point of the light marks a pixel once: the stencil holds the number of the point that
-//! marked it
-//!   last, and a point's own number does not mark again. What is marked is one bit, so each point's shadow is known by
-//!   itself.
+//!   marked it last, and a point's own number does not mark again. What is marked is one bit, so each point's shadow
+//!   is known by itself.
 //! - *Shadows of what is behind the light.* Their w is negative, and clipped: see [`casters::clip_from_caster`].
 //! - *Shadows of what is under the plane.* Cut off on the CPU, in f64, with all that lies in the plane itself.
 //! - *Fixed points are not the light.* The light is a disc that each receiver sees at another angle. The points are
-//! spread
-//!   in a ball so that they look like that disc from everywhere, weighed for nearness: see [`points`]. With their
-//! number
-//!   the factor converges to the exact one.
+//!   spread in a ball so that they look like that disc from everywhere, weighed for nearness: see [`points`]. With
+//!   their number the factor converges to the exact one.
 //!
 //! Which side of the plane is lit is decided by the eye: what is seen is the side it is on. Points of the light on the
 //! other side are dark there.
