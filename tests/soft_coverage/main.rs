@@ -1,0 +1,199 @@
+//! The mathematics of coverage by area, against columns of the disc summed up one by one.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "rows of measurements are what a reader of the log is after")]
+
+mod twin;
+
+use glam::{DVec2, DVec3};
+use twin::{in_f32, in_f64};
+
+/// A stream of numbers from −1 to 1 that is the same at every run.
+struct Random(u64);
+
+impl Random {
+    fn number(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    fn point(&mut self) -> DVec3 {
+        DVec3::new(self.number(), self.number(), self.number())
+    }
+}
+
+/// The part of a polygon where `inside` is not negative.
+fn clipped(polygon: &[DVec3], inside: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
+    let mut kept = Vec::new();
+    for (i, &a) in polygon.iter().enumerate() {
+        let b = polygon[(i + 1) % polygon.len()];
+        let (at_a, at_b) = (inside(a), inside(b));
+        if at_a >= 0.0 {
+            kept.push(a);
+        }
+        if (at_a >= 0.0) != (at_b >= 0.0) {
+            kept.push(a.lerp(b, at_a / (at_a - at_b)));
+        }
+    }
+    kept
+}
+
+/// The share of the disc over a triangle by columns: clipped in space, projected, summed up over x.
+fn share_by_columns(disc: in_f64::DiscView, corners: [DVec3; 3]) -> f64 {
+    const COLUMNS: u32 = 20_000;
+    let ccw = corners[0].dot(corners[1].cross(corners[2])).signum();
+    let mut polygon = clipped(&corners, |p| p.z - 1e-9);
+    polygon = clipped(&polygon, |p| disc.far - p.z);
+    if disc.dips {
+        polygon = clipped(&polygon, |p| disc.horizon.dot(p));
+    }
+    let polygon: Vec<DVec2> = polygon.into_iter().map(|p| p.truncate() / p.z).collect();
+    let column = |i: u32| {
+        let x = (f64::from(i) + 0.5) / f64::from(COLUMNS) * 2.0 - 1.0;
+        let half = (1.0 - x * x).sqrt();
+        let mut crossings = (f64::INFINITY, f64::NEG_INFINITY);
+        for (i, a) in polygon.iter().enumerate() {
+            let b = polygon[(i + 1) % polygon.len()];
+            if (a.x <= x) != (b.x <= x) {
+                let y = a.y + (b.y - a.y) * ((x - a.x) / (b.x - a.x));
+                crossings = (crossings.0.min(y), crossings.1.max(y));
+            }
+        }
+        (crossings.1.min(half) - crossings.0.max(-half)).max(0.0)
+    };
+    ccw * (0..COLUMNS).map(column).sum::<f64>() * (2.0 / f64::from(COLUMNS)) / std::f64::consts::PI
+}
+
+/// A view of a disc whose horizon cuts it, or not, and that lies at 1 along Z.
+fn any_view(random: &mut Random) -> in_f64::DiscView {
+    let across = DVec2::from_angle(random.number() * 3.2);
+    let horizon = across.extend(random.number() * 1.3);
+    in_f64::DiscView { horizon, far: 1.0, dips: horizon.z.abs() < 1.0 }
+}
+
+/// Corners before and behind the receiver and the light, near the disc's cone and far from it.
+fn any_corners(random: &mut Random, spread: f64) -> [DVec3; 3] {
+    let middle = random.point();
+    [(); 3].map(|()| {
+        let p = middle + random.point() * spread;
+        DVec3::new(p.x, p.y, p.z * 0.8 + 0.5)
+    })
+}
+
+fn share_in_f32(disc: in_f64::DiscView, corners: [DVec3; 3]) -> f64 {
+    let disc =
+        in_f32::DiscView { horizon: disc.horizon.as_vec3(), far: disc.far as f32, dips: disc.dips };
+    let seen = in_f32::SeenTriangle::new(corners.map(|p| p.as_vec3()), [false; 3], [true; 3]);
+    f64::from(in_f32::triangle_share(disc, &seen))
+}
+
+fn share(disc: in_f64::DiscView, corners: [DVec3; 3]) -> f64 {
+    in_f64::triangle_share(disc, &in_f64::SeenTriangle::new(corners, [false; 3], [true; 3]))
+}
+
+#[test]
+fn a_triangle_hides_what_its_columns_hide() {
+    let mut random = Random(1);
+    let (mut largest, mut largest_in_f32, mut hidden) = (0.0_f64, 0.0_f64, 0);
+    for spread in [0.2, 1.0, 3.0] {
+        for _ in 0..800 {
+            let (disc, corners) = (any_view(&mut random), any_corners(&mut random, spread));
+            let right = share_by_columns(disc, corners);
+            let own = share(disc, corners);
+            hidden += i32::from(right.abs() > 1e-3);
+            assert!((own - right).abs() < 1e-4, "{own} for {right}: {corners:?} {}", disc.horizon);
+            largest = largest.max((own - right).abs());
+            largest_in_f32 = largest_in_f32.max((share_in_f32(disc, corners) - own).abs());
+        }
+    }
+    println!("against columns {largest:.1e}, f32 against f64 {largest_in_f32:.1e}; {hidden} hide something");
+    assert!(hidden > 300);
+    assert!(largest_in_f32 < 1e-5, "{largest_in_f32}");
+}
+
+#[test]
+fn what_is_above_the_horizon_is_a_segment() {
+    for i in -13..=13 {
+        let q = f64::from(i) / 10.0;
+        // Everything that a huge triangle hides above the horizon.
+        let disc = in_f64::DiscView { horizon: DVec3::new(0.6, 0.8, q), far: 1.0, dips: q.abs() < 1.0 };
+        let all = [DVec3::new(-9.0, -9.0, 0.5), DVec3::new(9.0, -9.0, 0.5), DVec3::new(0.0, 9.0, 0.5)];
+        let above = in_f64::share_above(q);
+        if disc.dips {
+            assert!((share(disc, all) - above).abs() < 1e-12, "{q}");
+        }
+        assert!((f64::from(in_f32::share_above(q as f32)) - above).abs() < 1e-6, "{q}");
+    }
+    assert_eq!((in_f64::share_above(2.0), in_f64::share_above(-2.0)), (1.0, 0.0));
+}
+
+/// Edges and corners pass the centre in steps down to nothing: neither f64 nor f32 jumps, whatever side they are taken for.
+#[test]
+fn edges_and_corners_pass_the_centre_without_a_jump() {
+    let disc = in_f64::DiscView { horizon: DVec3::ZERO, far: 1.0, dips: false };
+    let offsets = [-1e-3, -1e-5, -1e-7, -1e-9, -1e-20, 0.0, 1e-20, 1e-9, 1e-7, 1e-5, 1e-3];
+    let pairs = offsets.iter().flat_map(|x| offsets.iter().map(move |y| DVec2::new(*x, *y)));
+    for (offset, turn) in pairs.flat_map(|offset| (0..12).map(move |turn| (offset, turn))) {
+        let turned = |p: DVec2| (DVec2::from_angle(f64::from(turn) * 0.55).rotate(p) + offset).extend(1.0) * 0.5;
+        // An edge through the centre hides a half, a right-angled corner a quarter.
+        for (corners, right) in [
+            ([DVec2::new(-5.0, 0.0), DVec2::new(7.0, 0.0), DVec2::new(0.0, 9.0)], 0.5),
+            ([DVec2::ZERO, DVec2::new(5.0, 0.0), DVec2::new(0.0, 5.0)], 0.25),
+        ] {
+            let corners = corners.map(turned);
+            let tolerance = offset.length() + 1e-5;
+            for own in [share(disc, corners), share_in_f32(disc, corners)] {
+                assert!((own - right).abs() < tolerance, "{own} for {right} at {offset}, turned {turn}");
+            }
+        }
+    }
+}
+
+/// A closed mesh of many triangles, edges between two that hide left out: the same sum, to rounding, wherever it lies.
+#[test]
+fn inner_edges_may_be_left_out() {
+    let mut random = Random(3);
+    let mut largest = 0.0_f64;
+    for round in 0..300 {
+        // A ball of triangles: rings of corners between two poles.
+        let (rings, around) = (5, 7);
+        let middle = random.point() * DVec3::new(1.0, 1.0, 0.2) * 0.5 + DVec3::Z * 0.5;
+        let size = 0.05 + 0.25 * (random.number() + 1.0);
+        let place = |ring: usize, k: usize| {
+            let (up, turn) = (ring as f64 / rings as f64 * 3.141_592_653_589_793, (k % around) as f64 * 0.897_6);
+            middle + size * DVec3::new(up.sin() * turn.cos(), up.sin() * turn.sin(), up.cos())
+        };
+        let index = |ring: usize, k: usize| match ring {
+            0 => 0,
+            r if r == rings => 1,
+            r => 2 + (r - 1) * around + k % around,
+        };
+        let mut points = vec![place(0, 0), place(rings, 0)];
+        points.extend((1..rings).flat_map(|ring| (0..around).map(move |k| (ring, k))).map(|(r, k)| place(r, k)));
+        let mut triangles = Vec::new();
+        for (ring, k) in (0..rings).flat_map(|ring| (0..around).map(move |k| (ring, k))) {
+            let [a, b, c, d] = [index(ring, k), index(ring + 1, k), index(ring + 1, k + 1), index(ring, k + 1)];
+            triangles.extend([[a, b, c], [a, c, d]].into_iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]));
+        }
+        let disc = any_view(&mut random);
+        let faces = |t: &[usize; 3]| points[t[0]].dot(points[t[1]].cross(points[t[2]])) > 0.0;
+        let neighbour = |a: usize, b: usize| {
+            let has = |t: &&[usize; 3]| (0..3).any(|i| t[i] == b && t[(i + 1) % 3] == a);
+            triangles.iter().find(has).unwrap()
+        };
+        let (mut every, mut outer) = (0.0, 0.0);
+        for t in triangles.iter().filter(|t| faces(t)) {
+            let corners = t.map(|corner| points[corner].as_vec3());
+            let edges = [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
+            let counts = edges.map(|(a, b)| !faces(neighbour(a, b)));
+            let disc =
+                in_f32::DiscView { horizon: disc.horizon.as_vec3(), far: disc.far as f32, dips: disc.dips };
+            let turned = edges.map(|(a, b)| a > b);
+            outer += f64::from(in_f32::triangle_share(disc, &in_f32::SeenTriangle::new(corners, turned, counts)));
+            every += share(in_f64::DiscView { horizon: disc.horizon.as_dvec3(), far: 1.0, dips: disc.dips }, t.map(|corner| points[corner]));
+        }
+        assert!((every - outer).abs() < 1e-5, "round {round}: {every} and {outer}");
+        largest = largest.max((every - outer).abs());
+    }
+    println!("{largest:.1e}");
+}
