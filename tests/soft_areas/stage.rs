@@ -76,7 +76,7 @@ impl Stage {
         let camera = Camera::perspective("eye", 0.9);
         let camera = PosedCamera::looking(camera, DVec3::new(3.5, 5.0, 4.5), DVec3::new(0.0, 0.0, 0.0));
         let request = FrameRequest::new(camera.clone(), SIZE_PX);
-        let measured = super::common::measure(renderer, &scene, &request).unwrap();
+        let measured = crate::common::measure(renderer, &scene, &request).unwrap();
         let world_from_view = camera.world_from_view;
         let mut pixels = Vec::new();
         for (pixel, ids) in measured.ids.iter().enumerate() {

@@ -197,3 +197,46 @@ fn inner_edges_may_be_left_out() {
     }
     println!("{largest:.1e}");
 }
+
+/// Edges, and the layers over the centre, say as much as the triangles do: also of what the horizon cuts.
+#[test]
+fn a_chain_hides_what_its_triangles_hide() {
+    let mut random = Random(5);
+    let (mut largest, mut dipping) = (0.0_f64, 0);
+    for round in 0..3000 {
+        let disc = in_f64::DiscView { far: 1e6, ..any_view(&mut random) };
+        let spread = [0.1, 0.5, 1.5][round % 3];
+        // A fan of triangles round a corner, not all of them ccw, cut open.
+        let middle = any_corners(&mut random, spread)[0];
+        let rim: Vec<DVec3> = (0..6).map(|_| middle + random.point() * spread).collect();
+        let triangles: Vec<[usize; 3]> = (0..5).map(|i| [6, i, i + 1]).collect();
+        let point = |i: usize| if i == 6 { middle } else { rim[i] };
+        let right: f64 = triangles.iter().map(|t| share(disc, t.map(point))).sum();
+        let mut weights = std::collections::BTreeMap::new();
+        let mut over_centre = 0.0;
+        for t in &triangles {
+            for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+                *weights.entry((a.min(b), a.max(b))).or_insert(0.0) += if a < b { 1.0 } else { -1.0 };
+            }
+            let [a, b, c] = t.map(point);
+            let lines = [a.cross(b).z, b.cross(c).z, c.cross(a).z];
+            let ccw = a.dot(b.cross(c)) > 0.0;
+            if lines.iter().all(|z| (*z >= 0.0) == ccw) {
+                over_centre += if ccw { 1.0 } else { -1.0 };
+            }
+        }
+        let kept = weights.iter().filter(|(_, weight)| **weight != 0.0);
+        let edges: Vec<([DVec3; 2], f64)> = kept.map(|((a, b), weight)| ([point(*a), point(*b)], *weight)).collect();
+        let own = in_f64::chain_share(disc, over_centre, &edges);
+        assert!((own - right).abs() < 1e-9, "round {round}: {own} for {right}, horizon {}", disc.horizon);
+        let in_f32 = in_f32::chain_share(
+            in_f32::DiscView { horizon: disc.horizon.as_vec3(), far: 1e6, dips: disc.dips },
+            over_centre as f32,
+            &edges.iter().map(|(ends, weight)| (ends.map(|p| p.as_vec3()), *weight as f32)).collect::<Vec<_>>(),
+        );
+        largest = largest.max((f64::from(in_f32) - right).abs());
+        dipping += i32::from(disc.dips && right != 0.0);
+    }
+    println!("f32 {largest:.1e}; the horizon cuts {dipping}");
+    assert!(largest < 1e-5 && dipping > 500, "{largest:.1e}, {dipping}");
+}

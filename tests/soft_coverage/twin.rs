@@ -191,6 +191,74 @@ macro_rules! twin {
                 }
                 share
             }
+
+            #[derive(Clone, Copy)]
+            pub(crate) struct Chord {
+                up: $vec2,
+                along: $vec2,
+                offset: $f,
+                reach: $f,
+            }
+
+            pub(crate) fn chord_of(horizon: $vec3) -> Chord {
+                let steep = horizon.truncate().length();
+                let up = horizon.truncate() / steep;
+                let offset = (horizon.z / steep).clamp(-1.0, 1.0);
+                let reach = (1.0 - offset * offset).max(0.0).sqrt();
+                Chord { up, along: $vec2::new(up.y, -up.x), offset, reach }
+            }
+
+            fn chord_share(chord: Chord, place: $f) -> $f {
+                let angle = direction($vec2::new(chord.offset.abs(), place));
+                let angle = if chord.offset >= 0.0 { angle } else { -angle };
+                (chord.offset * place - angle) * (0.5 / PI)
+            }
+
+            fn chord_terms(disc: DiscView, chord: Chord, [a, b]: [$vec3; 2], line: $vec3, left: bool) -> $vec2 {
+                let middle_left = line.dot((-chord.offset * chord.up).extend(1.0)) >= 0.0;
+                let aside = [a, b].map(|corner| corner.truncate().dot(chord.along));
+                let mut terms = $vec2::ZERO;
+                let at = aside[0] / (aside[0] - aside[1]);
+                if middle_left != left && (aside[0] >= 0.0) != (aside[1] >= 0.0) && a.z + (b.z - a.z) * at > 0.0 {
+                    terms.x = if middle_left { 1.0 } else { -1.0 };
+                }
+                let heights = [a, b].map(|corner| disc.horizon.dot(corner));
+                if (heights[0] >= 0.0) != (heights[1] >= 0.0) {
+                    let crossing = a.lerp(b, heights[0] / (heights[0] - heights[1]));
+                    if crossing.z > 0.0 && crossing.z <= disc.far {
+                        let upwards = heights[0] < 0.0;
+                        let place = in_disc_plane(crossing).dot(chord.along);
+                        let end = chord_share(chord, chord.reach);
+                        let rest = if middle_left == upwards {
+                            end - chord_share(chord, place.clamp(0.0, chord.reach))
+                        } else {
+                            -(end + chord_share(chord, place.clamp(-chord.reach, 0.0)))
+                        };
+                        terms.y = if upwards { -rest } else { rest };
+                    }
+                }
+                terms
+            }
+
+            /// What a chain hides of the disc: `over_centre` layers over its centre, and edges (a, b) with their weights.
+            pub(crate) fn chain_share(disc: DiscView, over_centre: $f, edges: &[([$vec3; 2], $f)]) -> $f {
+                let chord = chord_of(disc.horizon);
+                let above = !disc.dips || chord.offset >= 0.0;
+                let mut share = if above { over_centre } else { 0.0 };
+                let mut over_middle = over_centre;
+                for (ends, weight) in edges {
+                    let [a, b] = ends.map(off_centre);
+                    let line = a.cross(b);
+                    let left = line.z >= 0.0;
+                    share += weight * cut_edge_share(disc, a, b, line, left);
+                    if disc.dips {
+                        let terms = chord_terms(disc, chord, [a, b], line, left);
+                        over_middle += weight * terms.x;
+                        share += weight * terms.y;
+                    }
+                }
+                if disc.dips { share + over_middle * 2.0 * chord_share(chord, chord.reach) } else { share }
+            }
         }
     };
 }

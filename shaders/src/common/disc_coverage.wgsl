@@ -196,3 +196,55 @@ fn triangle_share(disc: DiscView, t: SeenTriangle) -> f32 {
     }
     return share;
 }
+
+// The horizon's chord of the disc. Edges alone do not say what of it a chain of triangles covers; they say where that
+// changes: so much is known along it as is known at its middle, and that follows from the centre.
+struct Chord {
+    // The unit normal of the horizon, and along it, with what is above to the left.
+    up: vec2f,
+    along: vec2f,
+    // How far the centre lies above it, and half its length.
+    offset: f32,
+    reach: f32,
+}
+
+fn chord_of(horizon: vec3f) -> Chord {
+    let steep = length(horizon.xy);
+    let up = horizon.xy / steep;
+    let offset = clamp(horizon.z / steep, -1.0, 1.0);
+    return Chord(up, vec2f(up.y, -up.x), offset, sqrt(max(1.0 - offset * offset, 0.0)));
+}
+
+// What the chord adds from its middle to `place` along it, where it is covered.
+fn chord_share(chord: Chord, place: f32) -> f32 {
+    let angle = direction(vec2f(abs(chord.offset), place));
+    return (chord.offset * place - select(-angle, angle, chord.offset >= 0.0)) * (0.5 / PI);
+}
+
+// What an edge changes: by how much more its left side covers the middle of the chord than the centre, and what the
+// change of cover along the chord adds. For an edge that weighs 1 and has a, b in canonical order.
+fn chord_terms(disc: DiscView, chord: Chord, a: vec3f, b: vec3f, line: vec3f, left: bool) -> vec2f {
+    let middle_left = dot(line, vec3f(-chord.offset * chord.up, 1.0)) >= 0.0;
+    let aside = vec2f(dot(a.xy, chord.along), dot(b.xy, chord.along));
+    var terms = vec2f(0.0);
+    if middle_left != left && (aside.x >= 0.0) != (aside.y >= 0.0) && mix(a.z, b.z, aside.x / (aside.x - aside.y)) > 0.0 {
+        terms.x = select(-1.0, 1.0, middle_left);
+    }
+    let heights = vec2f(dot(disc.horizon, a), dot(disc.horizon, b));
+    if (heights.x >= 0.0) != (heights.y >= 0.0) {
+        let crossing = mix(a, b, heights.x / (heights.x - heights.y));
+        if crossing.z > 0.0 && crossing.z <= disc.far {
+            let upwards = heights.x < 0.0;
+            let place = dot(in_disc_plane(crossing), chord.along);
+            // On which side of the middle it is, its line says: so that both jump together.
+            var rest = chord_share(chord, chord.reach);
+            if middle_left == upwards {
+                rest -= chord_share(chord, clamp(place, 0.0, chord.reach));
+            } else {
+                rest = -(rest + chord_share(chord, clamp(place, -chord.reach, 0.0)));
+            }
+            terms.y = select(rest, -rest, upwards);
+        }
+    }
+    return terms;
+}
