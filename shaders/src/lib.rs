@@ -43,6 +43,7 @@ modules![
     "nothing",
     "pack_words",
     "penumbra_wedge",
+    "per_receiver",
     "resolve_mask",
     "sample_images",
     "shadow_volume_hard",
