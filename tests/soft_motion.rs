@@ -31,7 +31,9 @@ fn motions() -> Vec<(&'static str, Vec<Stage>)> {
         (
             "over a corner",
             (0..steps)
-                .map(|i| Stage::new(vec![block()], lamp(DVec3::new(0.5 + step(i), 4.0, 0.5 - 0.3 * step(i)), 0.25)))
+                .map(|i| {
+                    Stage::new(vec![block()], lamp(DVec3::new(0.5 + step(i), 4.0, 0.5 - 0.3 * step(i)), 0.25))
+                })
                 .collect(),
         ),
         // The planes of two faces pass through a wide lamp.

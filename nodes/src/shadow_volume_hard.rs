@@ -43,9 +43,9 @@ use crate::common::layer_groups::{Caster, MAX_COUNT, group_by_layers};
 use crate::common::masked;
 use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
 use draws::{Counter, fold_pass, upload, volume_draws};
+pub(crate) use float_counts::Layers;
 use float_counts::count_in_float;
 use options::TYPE_NAME;
-pub(crate) use float_counts::Layers;
 pub use options::{
     Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, ShadowVolumeHard, Terminator,
 };

@@ -33,6 +33,17 @@ fn wedges_err_as_published() {
     }
 }
 
+#[test]
+fn what_receivers_see_of_a_box_is_exact() {
+    let Some(mut renderer) = common::renderer() else { return };
+    for (height, radius_m) in LAMPS {
+        let lamp = Lamp { p: DVec3::new(0.3, height, 0.2), radius_m };
+        let errors = Stage::new(vec![block()], lamp).errors(&mut renderer, "perReceiver");
+        println!("lamp at {height} m, radius {radius_m} m: {errors}");
+        assert!(errors.penumbra > 200 && errors.rmse < 0.002, "{errors}");
+    }
+}
+
 /// The block without its bottom.
 fn open_block() -> MeshData {
     let mut open = block();
@@ -64,9 +75,14 @@ fn open_casters_have_larger_shadows_until_they_are_closed() {
     let of = |stage: &Stage, renderer: &mut Renderer| extent(&stage.factors(renderer, "wedge"));
     let (closed, open) = (of(&closed, &mut renderer), of(&open, &mut renderer));
     let [cap, backfaces] = ["cap", "backfaces"].map(|value| of(&option("closure", value), &mut renderer));
-    println!("darkness and penumbra, in pixels: closed {closed:.0?}, open {open:.0?}, cap {cap:.0?}, backfaces {backfaces:.0?}");
+    println!(
+        "darkness and penumbra, in pixels: closed {closed:.0?}, open {open:.0?}, cap {cap:.0?}, backfaces {backfaces:.0?}"
+    );
     assert!(open.0 > closed.0 * 1.02 && open.0 < closed.0 * 1.5, "not larger");
     assert!(open.1 < closed.1 * 9 / 10, "not more compact");
     assert!((cap.0 - closed.0).abs() < closed.0 * 1e-3 && cap.1.abs_diff(closed.1) < 10, "no cure");
-    assert!((backfaces.0 - open.0).abs() < open.0 * 1e-3, "a reverse for every face is the same as all faces");
+    assert!(
+        (backfaces.0 - open.0).abs() < open.0 * 1e-3,
+        "a reverse for every face is the same as all faces"
+    );
 }

@@ -72,7 +72,10 @@ impl Stage {
             ("radius".into(), ParamValue::Number(self.lamp.radius_m)),
         ]);
         params.extend(self.options.iter().map(|(name, value)| ((*name).to_owned(), value.clone())));
-        scene.add_shadow("soft", ShadowNode { technique: "ShadowVolumeSoft".into(), params, ..ShadowNode::default() });
+        scene.add_shadow(
+            "soft",
+            ShadowNode { technique: "ShadowVolumeSoft".into(), params, ..ShadowNode::default() },
+        );
         let camera = Camera::perspective("eye", 0.9);
         let camera = PosedCamera::looking(camera, DVec3::new(3.5, 5.0, 4.5), DVec3::new(0.0, 0.0, 0.0));
         let request = FrameRequest::new(camera.clone(), SIZE_PX);
@@ -99,7 +102,8 @@ impl Stage {
         let to_light = self.lamp.p - p;
         let distance = to_light.length();
         let towards = to_light / distance;
-        let scale = (distance * distance - self.lamp.radius_m * self.lamp.radius_m).sqrt() / self.lamp.radius_m;
+        let scale =
+            (distance * distance - self.lamp.radius_m * self.lamp.radius_m).sqrt() / self.lamp.radius_m;
         // Left-handed, so that what the receiver sees counter-clockwise is so here.
         let v = towards.any_orthonormal_vector();
         let u = towards.cross(v);

@@ -81,8 +81,7 @@ fn any_corners(random: &mut Random, spread: f64) -> [DVec3; 3] {
 }
 
 fn share_in_f32(disc: in_f64::DiscView, corners: [DVec3; 3]) -> f64 {
-    let disc =
-        in_f32::DiscView { horizon: disc.horizon.as_vec3(), far: disc.far as f32, dips: disc.dips };
+    let disc = in_f32::DiscView { horizon: disc.horizon.as_vec3(), far: disc.far as f32, dips: disc.dips };
     let seen = in_f32::SeenTriangle::new(corners.map(|p| p.as_vec3()), [false; 3], [true; 3]);
     f64::from(in_f32::triangle_share(disc, &seen))
 }
@@ -134,7 +133,8 @@ fn edges_and_corners_pass_the_centre_without_a_jump() {
     let offsets = [-1e-3, -1e-5, -1e-7, -1e-9, -1e-20, 0.0, 1e-20, 1e-9, 1e-7, 1e-5, 1e-3];
     let pairs = offsets.iter().flat_map(|x| offsets.iter().map(move |y| DVec2::new(*x, *y)));
     for (offset, turn) in pairs.flat_map(|offset| (0..12).map(move |turn| (offset, turn))) {
-        let turned = |p: DVec2| (DVec2::from_angle(f64::from(turn) * 0.55).rotate(p) + offset).extend(1.0) * 0.5;
+        let turned =
+            |p: DVec2| (DVec2::from_angle(f64::from(turn) * 0.55).rotate(p) + offset).extend(1.0) * 0.5;
         // An edge through the centre hides a half, a right-angled corner a quarter.
         for (corners, right) in [
             ([DVec2::new(-5.0, 0.0), DVec2::new(7.0, 0.0), DVec2::new(0.0, 9.0)], 0.5),
@@ -160,7 +160,8 @@ fn inner_edges_may_be_left_out() {
         let middle = random.point() * DVec3::new(1.0, 1.0, 0.2) * 0.5 + DVec3::Z * 0.5;
         let size = 0.05 + 0.25 * (random.number() + 1.0);
         let place = |ring: usize, k: usize| {
-            let (up, turn) = (ring as f64 / rings as f64 * 3.141_592_653_589_793, (k % around) as f64 * 0.897_6);
+            let (up, turn) =
+                (ring as f64 / rings as f64 * 3.141_592_653_589_793, (k % around) as f64 * 0.897_6);
             middle + size * DVec3::new(up.sin() * turn.cos(), up.sin() * turn.sin(), up.cos())
         };
         let index = |ring: usize, k: usize| match ring {
@@ -169,11 +170,16 @@ fn inner_edges_may_be_left_out() {
             r => 2 + (r - 1) * around + k % around,
         };
         let mut points = vec![place(0, 0), place(rings, 0)];
-        points.extend((1..rings).flat_map(|ring| (0..around).map(move |k| (ring, k))).map(|(r, k)| place(r, k)));
+        points.extend(
+            (1..rings).flat_map(|ring| (0..around).map(move |k| (ring, k))).map(|(r, k)| place(r, k)),
+        );
         let mut triangles = Vec::new();
         for (ring, k) in (0..rings).flat_map(|ring| (0..around).map(move |k| (ring, k))) {
-            let [a, b, c, d] = [index(ring, k), index(ring + 1, k), index(ring + 1, k + 1), index(ring, k + 1)];
-            triangles.extend([[a, b, c], [a, c, d]].into_iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]));
+            let [a, b, c, d] =
+                [index(ring, k), index(ring + 1, k), index(ring + 1, k + 1), index(ring, k + 1)];
+            triangles.extend(
+                [[a, b, c], [a, c, d]].into_iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]),
+            );
         }
         let disc = any_view(&mut random);
         let faces = |t: &[usize; 3]| points[t[0]].dot(points[t[1]].cross(points[t[2]])) > 0.0;
@@ -189,8 +195,12 @@ fn inner_edges_may_be_left_out() {
             let disc =
                 in_f32::DiscView { horizon: disc.horizon.as_vec3(), far: disc.far as f32, dips: disc.dips };
             let turned = edges.map(|(a, b)| a > b);
-            outer += f64::from(in_f32::triangle_share(disc, &in_f32::SeenTriangle::new(corners, turned, counts)));
-            every += share(in_f64::DiscView { horizon: disc.horizon.as_dvec3(), far: 1.0, dips: disc.dips }, t.map(|corner| points[corner]));
+            outer +=
+                f64::from(in_f32::triangle_share(disc, &in_f32::SeenTriangle::new(corners, turned, counts)));
+            every += share(
+                in_f64::DiscView { horizon: disc.horizon.as_dvec3(), far: 1.0, dips: disc.dips },
+                t.map(|corner| points[corner]),
+            );
         }
         assert!((every - outer).abs() < 1e-5, "round {round}: {every} and {outer}");
         largest = largest.max((every - outer).abs());
@@ -226,13 +236,17 @@ fn a_chain_hides_what_its_triangles_hide() {
             }
         }
         let kept = weights.iter().filter(|(_, weight)| **weight != 0.0);
-        let edges: Vec<([DVec3; 2], f64)> = kept.map(|((a, b), weight)| ([point(*a), point(*b)], *weight)).collect();
+        let edges: Vec<([DVec3; 2], f64)> =
+            kept.map(|((a, b), weight)| ([point(*a), point(*b)], *weight)).collect();
         let own = in_f64::chain_share(disc, over_centre, &edges);
         assert!((own - right).abs() < 1e-9, "round {round}: {own} for {right}, horizon {}", disc.horizon);
         let in_f32 = in_f32::chain_share(
             in_f32::DiscView { horizon: disc.horizon.as_vec3(), far: 1e6, dips: disc.dips },
             over_centre as f32,
-            &edges.iter().map(|(ends, weight)| (ends.map(|p| p.as_vec3()), *weight as f32)).collect::<Vec<_>>(),
+            &edges
+                .iter()
+                .map(|(ends, weight)| (ends.map(|p| p.as_vec3()), *weight as f32))
+                .collect::<Vec<_>>(),
         );
         largest = largest.max((f64::from(in_f32) - right).abs());
         dipping += i32::from(disc.dips && right != 0.0);

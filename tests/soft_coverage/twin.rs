@@ -172,7 +172,8 @@ macro_rules! twin {
                         share += cut_edge_share(disc, a, b, t.lines[i], t.left[i]);
                     }
                 }
-                let cuts = |values: [$f; 3]| values.iter().any(|v| *v < 0.0) && values.iter().any(|v| *v >= 0.0);
+                let cuts =
+                    |values: [$f; 3]| values.iter().any(|v| *v < 0.0) && values.iter().any(|v| *v >= 0.0);
                 let before = t.corners.map(|corner| disc.far - corner.z);
                 if cuts(before) {
                     let [out, back] = cut_outline(t.corners, before);
@@ -214,12 +215,21 @@ macro_rules! twin {
                 (chord.offset * place - angle) * (0.5 / PI)
             }
 
-            fn chord_terms(disc: DiscView, chord: Chord, [a, b]: [$vec3; 2], line: $vec3, left: bool) -> $vec2 {
+            fn chord_terms(
+                disc: DiscView,
+                chord: Chord,
+                [a, b]: [$vec3; 2],
+                line: $vec3,
+                left: bool,
+            ) -> $vec2 {
                 let middle_left = line.dot((-chord.offset * chord.up).extend(1.0)) >= 0.0;
                 let aside = [a, b].map(|corner| corner.truncate().dot(chord.along));
                 let mut terms = $vec2::ZERO;
                 let at = aside[0] / (aside[0] - aside[1]);
-                if middle_left != left && (aside[0] >= 0.0) != (aside[1] >= 0.0) && a.z + (b.z - a.z) * at > 0.0 {
+                if middle_left != left
+                    && (aside[0] >= 0.0) != (aside[1] >= 0.0)
+                    && a.z + (b.z - a.z) * at > 0.0
+                {
                     terms.x = if middle_left { 1.0 } else { -1.0 };
                 }
                 let heights = [a, b].map(|corner| disc.horizon.dot(corner));

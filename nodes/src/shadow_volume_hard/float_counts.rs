@@ -9,7 +9,8 @@
 
 use shadowgraph_engine::geometry::GroupMember;
 use shadowgraph_engine::plan::{
-    Binding, BlendState, ColorTarget, CompareFunction, Draw, DrawState, Geometry, Load, Pass, SlotId, TextureFormat,
+    Binding, BlendState, ColorTarget, CompareFunction, Draw, DrawState, Geometry, Load, Pass, SlotId,
+    TextureFormat,
 };
 use shadowgraph_engine::shadow::{Channels, Features, LightPlan, ShadowError};
 
@@ -74,11 +75,7 @@ pub(super) fn count_in_float(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) 
 }
 
 /// Counts in a target of its own: in the smallest format that holds the sums, or in a float that holds `fractions` too.
-fn count(
-    light: &mut LightPlan<'_>,
-    volumes: &[Volume<'_>],
-    fractions: bool,
-) -> Result<SlotId, ShadowError> {
+fn count(light: &mut LightPlan<'_>, volumes: &[Volume<'_>], fractions: bool) -> Result<SlotId, ShadowError> {
     let everything: Vec<GroupMember> = (0..volumes.len()).map(GroupMember::whole).collect();
     let buffers = upload(light, volumes, &[everything], Weights::Apart);
     let draws: Vec<Draw> = volumes
@@ -88,7 +85,11 @@ fn count(
         .collect();
     let largest: u64 =
         draws.iter().map(|draw| draw.vertices() / 3 * draw.state.blend_constant[0].abs() as u64).sum();
-    let format = if fractions { format_for(light, largest.max(MAX_IN_HALF + 1))? } else { format_for(light, largest)? };
+    let format = if fractions {
+        format_for(light, largest.max(MAX_IN_HALF + 1))?
+    } else {
+        format_for(light, largest)?
+    };
     let name = light.light().name.clone();
     let reason = format!("sums of up to {largest}, whatever the order of drawing");
     let counts = light.texture(&format!("counts of {name}"), format, light.view.size_px, 1, &reason);

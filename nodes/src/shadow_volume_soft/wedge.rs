@@ -33,16 +33,18 @@ use shadowgraph_engine::plan::{
     Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, BufferUsage, ColorTarget,
     CompareFunction, Draw, DrawState, Geometry, Load, MULTIPLY, Pass, Shader, SlotId,
 };
+use shadowgraph_engine::scene::Instance;
 use shadowgraph_engine::shadow::{Channels, LightPlan, LightSize, ShadowError, hash_of};
 
+use super::ShadowVolumeSoft;
 use crate::common::layer_groups::Caster;
-use crate::shadow_volume_hard::{Layers, ShadowVolumeHard};
+use crate::shadow_volume_hard::Layers;
 
 /// `struct WedgeEdge` of penumbra_wedge.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[allow(missing_docs, reason = "documented where the shader reads them")]
-pub struct WedgeEdge {
+pub(super) struct WedgeEdge {
     pub a: [f32; 3],
     pub weight: f32,
     pub b: [f32; 3],
@@ -55,7 +57,7 @@ pub struct WedgeEdge {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[allow(missing_docs, reason = "documented where the shader reads them")]
-pub struct WedgeCasters {
+pub(super) struct WedgeCasters {
     pub world_x: [f32; 3],
     pub size: f32,
     pub world_y: [f32; 3],
@@ -86,20 +88,34 @@ const MAX_EDGES: usize = 1 << 19;
 /// Triangles of a wedge's five faces, as corners.
 const WEDGE_VERTICES: u32 = 24;
 
-/// Adds the passes that darken the light's visibility: the layers over its centre, which `hard` counts, the wedges, and
-/// what is left.
-///
-/// # Errors
-/// What `hard` does not accept.
-pub(super) fn cast(
-    light: &mut LightPlan<'_>,
-    hard: &ShadowVolumeHard,
-    size: LightSize,
-) -> Result<(), ShadowError> {
-    let Some(Layers { counts, casters }) = hard.count_layers(light)? else { return Ok(()) };
+impl ShadowVolumeSoft {
+    /// Adds the passes that darken the light's visibility: the layers over its centre, the wedges, and what is left.
+    ///
+    /// # Errors
+    /// What the options do not accept.
+    pub(super) fn plan_wedges(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+        let masked =
+            |instance: &Instance| instance.materials.iter().any(|material| material.casts_by_texel());
+        if let Some((_, instance)) = light.casters().find(|(_, instance)| masked(instance)) {
+            return Err(light.unsupported(format!(
+                "'{}' has alpha-masked parts, and areas know no holes (accepted for them: radius=0, angle=0)",
+                instance.name
+            )));
+        }
+        if let Some(layers) = self.hard().count_layers(light)? {
+            add_shares(light, &layers, self.size());
+        }
+        Ok(())
+    }
+}
+
+/// Adds what silhouette edges hide beside the centre to `layers`, and darkens by the sum.
+fn add_shares(light: &mut LightPlan<'_>, layers: &Layers<'_>, size: LightSize) {
+    let Layers { counts, casters } = layers;
+    let counts = *counts;
     let name = light.light().name.clone();
-    let (edges, key) = edges(light, &casters, size);
-    let shared = view(light, &casters, size);
+    let (edges, key) = edges(light, casters, size);
+    let shared = view(light, casters, size);
     let depth = light.receiver_depth();
     let mut draws = Vec::new();
     for (batch, edges) in edges.chunks(MAX_EDGES).enumerate() {
@@ -142,7 +158,6 @@ pub(super) fn cast(
             scissor_px: None,
         }],
     });
-    Ok(())
 }
 
 /// dst + src: layers and shares of either sign.
@@ -301,5 +316,11 @@ fn view(light: &mut LightPlan<'_>, casters: &[Caster<'_>], size: LightSize) -> S
     let bytes = [bytes_of(&head), cast_slice(&centers)].concat();
     let key = hash_of(("wedge casters", &bytes));
     let name = format!("wedge casters of {}", light.light().name);
-    light.buffer(&name, BufferUsage::Storage, key, Arc::new(bytes), "where the light and casters are, from the eye")
+    light.buffer(
+        &name,
+        BufferUsage::Storage,
+        key,
+        Arc::new(bytes),
+        "where the light and casters are, from the eye",
+    )
 }
