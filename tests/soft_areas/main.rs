@@ -14,6 +14,7 @@ mod twin;
 
 use glam::{DVec3, Vec3};
 use shadowgraph::engine::scene::ParamValue;
+use shadowgraph::engine::shadow::disc_samples;
 use shadowgraph::prelude::*;
 use stage::{Errors, Lamp, Pixels, Stage, block};
 
@@ -41,6 +42,32 @@ fn what_receivers_see_of_a_box_is_exact() {
         let errors = Stage::new(vec![block()], lamp).errors(&mut renderer, "perReceiver");
         println!("lamp at {height} m, radius {radius_m} m: {errors}");
         assert!(errors.penumbra > 200 && errors.rmse < 0.002, "{errors}");
+    }
+}
+
+/// A level board from `low` to `high`, both sides of which cast.
+fn board(low: Vec3, high: Vec3) -> MeshData {
+    let corner = |x: f32, z: f32| Vec3::new(x, low.y, z);
+    shapes::quad([corner(low.x, high.z), corner(high.x, high.z), corner(high.x, low.z), corner(low.x, low.z)])
+}
+
+/// Where casters overlap before the light, areas that add up hide too much; nothing is ever too light for it.
+#[test]
+fn overlapping_areas_add_up() {
+    let Some(mut renderer) = common::renderer() else { return };
+    let lamp = Lamp { p: DVec3::new(0.0, 4.0, 0.0), radius_m: 0.4 };
+    let first = board(Vec3::new(-2.0, 1.5, -2.0), Vec3::new(0.0, 1.5, 2.0));
+    let below = board(Vec3::new(-2.0, 1.2, -2.0), Vec3::new(0.0, 1.2, 2.0));
+    let across = board(Vec3::new(-2.0, 1.2, -2.0), Vec3::new(2.0, 1.2, 0.0));
+    let samples = disc_samples(1024, 11);
+    for (name, second, largest) in [("one below the other", below, 0.51), ("across", across, 0.26)] {
+        let stage = Stage::new(vec![first.clone(), second], lamp);
+        for quality in ["perReceiver", "wedge"] {
+            let errors = stage.errors_against(&mut renderer, quality, |p| stage.right_by_samples(p, &samples));
+            println!("{name}, {quality}: {errors}");
+            assert!(errors.penumbra > 1000 && errors.mean < 0.0 && errors.largest < largest + 0.03, "{errors}");
+            assert!(errors.largest > largest - 0.1, "better than areas can be: {errors}");
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use std::fmt;
 
 use glam::DVec3;
 use shadowgraph::engine::scene::{ParamValue, Params};
+use shadowgraph::engine::shadow::{LightDisc, LightSize};
 use shadowgraph::prelude::*;
 
 use crate::twin::in_f64::{DiscView, SeenTriangle, share_above, triangle_share};
@@ -124,12 +125,44 @@ impl Stage {
         left.max(0.0)
     }
 
-    /// How far `quality` is from what is right.
+    /// What of the light any casters leave at `p` of the floor: the share of samples that none of their triangles hides.
+    pub(crate) fn right_by_samples(&self, p: DVec3, samples: &[glam::DVec2]) -> f64 {
+        let size = LightSize { radius_m: self.lamp.radius_m, ..LightSize::NONE };
+        let LightDisc { radius, u, v } = size.disc((self.lamp.p - p).extend(1.0));
+        let corner = |caster: &MeshData, i: u32| caster.positions[i as usize].as_dvec3() - p;
+        let triangles: Vec<[DVec3; 3]> = self
+            .casters
+            .iter()
+            .flat_map(|caster| caster.indices.chunks_exact(3).map(|t| [0, 1, 2].map(|k| corner(caster, t[k]))))
+            .collect();
+        let seen = samples.iter().filter(|sample| {
+            let way = self.lamp.p - p + (u * sample.x + v * sample.y) * radius;
+            let hides = |[a, b, c]: &[DVec3; 3]| {
+                let sides = [a.cross(*b).dot(way), b.cross(*c).dot(way), c.cross(*a).dot(way)];
+                let volume = a.dot(b.cross(*c));
+                sides.iter().all(|side| side * volume > 0.0) && volume / sides.iter().sum::<f64>() < 1.0
+            };
+            way.y > 0.0 && !triangles.iter().any(hides)
+        });
+        seen.count() as f64 / samples.len() as f64
+    }
+
+    /// How far `quality` is from what is right before convex casters that do not overlap.
     pub(crate) fn errors(&self, renderer: &mut Renderer, quality: &str) -> Errors {
+        self.errors_against(renderer, quality, |p| self.right(p))
+    }
+
+    /// How far `quality` is from `right`.
+    pub(crate) fn errors_against(
+        &self,
+        renderer: &mut Renderer,
+        quality: &str,
+        right: impl Fn(DVec3) -> f64,
+    ) -> Errors {
         let mut errors = Errors::default();
         for (p, factor) in self.factors(renderer, quality) {
             assert!(factor.is_finite() && (0.0..=1.0).contains(&factor), "{factor} at {p}");
-            let right = self.right(p);
+            let right = right(p);
             let error = factor - right;
             if right > 1e-9 && right < 1.0 - 1e-9 {
                 errors.penumbra += 1;
