@@ -132,7 +132,7 @@ fn add_share(in: Varyings) -> @location(0) vec4f {
     let a = off_centre((to_caster + edge.a) * rows);
     let b = off_centre((to_caster + edge.b) * rows);
     let line = cross(a, b);
-    let share = cut_edge_share(DiscView(vec3f(0.0), far, false), a, b, line, line.z >= 0.0);
+    let share = cut_edge_share(DiscView(vec3f(0.0), far, false, 0.0, 0.0), a, b, line, line.z >= 0.0);
     return vec4f(edge.weight * share);
 }
 

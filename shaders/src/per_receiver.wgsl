@@ -8,6 +8,9 @@
 // Larger discs, of receivers at the light, are all but half of what is seen.
 const LARGEST_DISC: f32 = 1e6;
 
+// From this part of the way to the light on, rounding does not move edges in the receiver's plane across the centre.
+const NEAREST: f32 = 0.02;
+
 #if CASTERS
 // Corners in units of the disc.
 fn of_disc(a: vec3f, k: f32) -> vec3f {
@@ -55,16 +58,10 @@ fn share_of(number: u32, r: Receiver, k: f32, disc: DiscView) -> f32 {
     if side == 0 {
         return 0.0;
     }
-    let a = in_frame(r, t.a - from_center);
-    let b = in_frame(r, t.b - from_center);
-    let c = in_frame(r, t.c - from_center);
-    let scale = vec3f(1.0, k, k);
-    let ab = edge_heights(a, in_frame(r, t.b - t.a)) * scale;
-    let bc = edge_heights(b, in_frame(r, t.c - t.b)) * scale;
-    let ca = -edge_heights(a, in_frame(r, t.c - t.a)) * scale;
-    let left = vec3<bool>(ab.x >= 0.0, bc.x >= 0.0, !(-ca.x >= 0.0));
-    let seen = SeenTriangle(of_disc(a, k), of_disc(b, k), of_disc(c, k), ab.yzx, bc.yzx, ca.yzx, left, vec3<bool>(true));
-    return f32(select(-side, side, (t.bits & 1u) != 0u)) * triangle_share(disc, seen);
+    let a = of_disc(in_frame(r, t.a - from_center), k);
+    let b = of_disc(in_frame(r, t.b - from_center), k);
+    let c = of_disc(in_frame(r, t.c - from_center), k);
+    return f32(select(-side, side, (t.bits & 1u) != 0u)) * triangle_share(disc, a, b, c);
 }
 
 // The share that clusters `first` … `end` − 1 cover, triangle by triangle.
@@ -118,12 +115,19 @@ fn per_receiver(@builtin(position) position: vec4f) -> @location(0) vec4f {
     disc.far = select(1e20, r.light_distance, soft.light.w > 0.0);
     let steep = length(disc.horizon.xy);
     disc.dips = r.k > 0.0 && disc.horizon.z < steep;
+    let n = r.u * r.normal.x + r.v * r.normal.y + r.w * r.normal.z;
     var seen = select(0.0, 1.0, disc.horizon.z > 0.0);
     if r.k > 0.0 && steep > 0.0 {
         seen = share_above(disc.horizon.z / steep);
     }
 #if CASTERS
     if seen > 0.0 {
+        // What lies in the receiver's plane is in nobody's way, and rounding is not to lift it. Where the centre itself is
+        // about in that plane, it is taken to be below the horizon: its side of what lies there is not sure.
+        disc.margin = abs(dot(n, r.step)) / 8.0 + ROUNDING * r.distance;
+        let unsure = clamp(disc.margin / (NEAREST * r.light_distance), 1e-6 * steep, 0.02 * steep);
+        disc.lift = select(0.0, disc.horizon.z + unsure, disc.dips && abs(disc.horizon.z) < unsure);
+        disc.horizon.z -= disc.lift;
         seen -= covered(r, k, disc);
     }
 #endif

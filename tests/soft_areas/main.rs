@@ -63,9 +63,13 @@ fn overlapping_areas_add_up() {
     for (name, second, largest) in [("one below the other", below, 0.51), ("across", across, 0.26)] {
         let stage = Stage::new(vec![first.clone(), second], lamp);
         for quality in ["perReceiver", "wedge"] {
-            let errors = stage.errors_against(&mut renderer, quality, |p| stage.right_by_samples(p, &samples));
+            let errors =
+                stage.errors_against(&mut renderer, quality, |p| stage.right_by_samples(p, &samples));
             println!("{name}, {quality}: {errors}");
-            assert!(errors.penumbra > 1000 && errors.mean < 0.0 && errors.largest < largest + 0.03, "{errors}");
+            assert!(
+                errors.penumbra > 1000 && errors.mean < 0.0 && errors.largest < largest + 0.03,
+                "{errors}"
+            );
             assert!(errors.largest > largest - 0.1, "better than areas can be: {errors}");
         }
     }

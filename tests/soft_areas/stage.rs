@@ -7,7 +7,7 @@ use shadowgraph::engine::scene::{ParamValue, Params};
 use shadowgraph::engine::shadow::{LightDisc, LightSize};
 use shadowgraph::prelude::*;
 
-use crate::twin::in_f64::{DiscView, SeenTriangle, share_above, triangle_share};
+use crate::twin::in_f64::{DiscView, share_above, triangle_share};
 
 /// A light with a size.
 #[derive(Clone, Copy, Debug)]
@@ -111,14 +111,13 @@ impl Stage {
         let frame = |d: DVec3| DVec3::new(d.dot(u) * scale, d.dot(v) * scale, d.dot(towards));
         let horizon = DVec3::new(u.y / scale, v.y / scale, towards.y);
         let steep = horizon.truncate().length();
-        let disc = DiscView { horizon, far: distance, dips: horizon.z < steep };
+        let disc = DiscView { horizon, far: distance, dips: horizon.z < steep, margin: 0.0, lift: 0.0 };
         let mut left = if disc.dips { share_above(horizon.z / steep) } else { 1.0 };
         for caster in &self.casters {
             for t in caster.indices.chunks_exact(3) {
                 let corners = [0, 1, 2].map(|k| caster.positions[t[k] as usize].as_dvec3() - p);
                 if corners[0].dot((corners[1] - corners[0]).cross(corners[2] - corners[0])) < 0.0 {
-                    let turned = [false; 3];
-                    left -= triangle_share(disc, &SeenTriangle::new(corners.map(frame), turned, [true; 3]));
+                    left -= triangle_share(disc, corners.map(frame));
                 }
             }
         }
@@ -133,7 +132,9 @@ impl Stage {
         let triangles: Vec<[DVec3; 3]> = self
             .casters
             .iter()
-            .flat_map(|caster| caster.indices.chunks_exact(3).map(|t| [0, 1, 2].map(|k| corner(caster, t[k]))))
+            .flat_map(|caster| {
+                caster.indices.chunks_exact(3).map(|t| [0, 1, 2].map(|k| corner(caster, t[k])))
+            })
             .collect();
         let seen = samples.iter().filter(|sample| {
             let way = self.lamp.p - p + (u * sample.x + v * sample.y) * radius;

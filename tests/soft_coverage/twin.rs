@@ -92,6 +92,13 @@ macro_rules! twin {
                 pub(crate) horizon: $vec3,
                 pub(crate) far: $f,
                 pub(crate) dips: bool,
+                pub(crate) margin: $f,
+                pub(crate) lift: $f,
+            }
+
+            fn height_over(disc: DiscView, corner: $vec3) -> $f {
+                let height = disc.horizon.dot(corner);
+                if height.abs() <= disc.margin { -disc.margin } else { height }
             }
 
             fn cut_way(way: [$f; 2], at_start: $f, at_end: $f) -> [$f; 2] {
@@ -108,7 +115,7 @@ macro_rules! twin {
             fn cut_edge_share(disc: DiscView, a: $vec3, b: $vec3, line: $vec3, left: bool) -> $f {
                 let mut way = cut_way([0.0, 1.0], disc.far - a.z, disc.far - b.z);
                 if disc.dips {
-                    way = cut_way(way, disc.horizon.dot(a), disc.horizon.dot(b));
+                    way = cut_way(way, height_over(disc, a), height_over(disc, b));
                 }
                 if way[0] >= way[1] {
                     return 0.0;
@@ -118,79 +125,50 @@ macro_rules! twin {
                 edge_share(first, last, line, left)
             }
 
-            fn cut_outline(corners: [$vec3; 3], values: [$f; 3]) -> [$vec3; 2] {
-                let mut cut = [$vec3::ZERO; 2];
-                for (i, j) in [(2, 0), (1, 2), (0, 1)] {
-                    let at = corners[i].lerp(corners[j], values[i] / (values[i] - values[j]));
-                    match (values[i] >= 0.0, values[j] >= 0.0) {
-                        (true, false) => cut[0] = at,
-                        (false, true) => cut[1] = at,
-                        _ => {}
+            fn sector_share(a: $vec2, b: $vec2) -> $f {
+                let way = b - a;
+                let length_squared = way.length_squared().max(NOTHING);
+                let cross = a.perp_dot(way);
+                let foot = -a.dot(way) / length_squared;
+                let half = (length_squared - cross * cross).max(0.0).sqrt() / length_squared;
+                let (enters, leaves) = ((foot - half).clamp(0.0, 1.0), (foot + half).clamp(0.0, 1.0));
+                if enters >= leaves {
+                    return angle_between(a, b) * (0.5 / PI);
+                }
+                let outside = angle_between(a, a + way * enters) + angle_between(a + way * leaves, b);
+                (outside + cross * (leaves - enters)) * (0.5 / PI)
+            }
+
+            fn angle_between(a: $vec2, b: $vec2) -> $f {
+                direction($vec2::new(a.dot(b), a.perp_dot(b)))
+            }
+
+            fn cut_outline(outline: &[$vec3], inside: impl Fn($vec3) -> $f) -> Vec<$vec3> {
+                let mut cut = Vec::new();
+                for (i, &a) in outline.iter().enumerate() {
+                    let b = outline[(i + 1) % outline.len()];
+                    let ends = [inside(a), inside(b)];
+                    if ends[0] >= 0.0 {
+                        cut.push(a);
+                    }
+                    if (ends[0] >= 0.0) != (ends[1] >= 0.0) {
+                        cut.push(a.lerp(b, ends[0] / (ends[0] - ends[1])));
                     }
                 }
+                assert!(cut.len() <= 6, "the shader has no room for more");
                 cut
             }
 
-            /// A triangle whose edges ab, bc, ca hold, in canonical order, the same numbers for both their triangles.
-            #[derive(Clone, Copy)]
-            pub(crate) struct SeenTriangle {
-                pub(crate) corners: [$vec3; 3],
-                pub(crate) lines: [$vec3; 3],
-                pub(crate) left: [bool; 3],
-                pub(crate) counts: [bool; 3],
-            }
-
-            impl SeenTriangle {
-                /// `turned` says of which edges the canonical order is the other way round.
-                pub(crate) fn new(corners: [$vec3; 3], turned: [bool; 3], counts: [bool; 3]) -> Self {
-                    let corners = corners.map(off_centre);
-                    let mut seen = Self { corners, lines: [$vec3::ZERO; 3], left: [false; 3], counts };
-                    for i in 0..3 {
-                        let (a, b) = (corners[i], corners[(i + 1) % 3]);
-                        let line = if turned[i] { b.cross(a) } else { a.cross(b) };
-                        seen.left[i] = (line.z >= 0.0) != turned[i];
-                        seen.lines[i] = if turned[i] { -line } else { line };
-                    }
-                    seen
-                }
-            }
-
-            pub(crate) fn triangle_share(disc: DiscView, t: &SeenTriangle) -> $f {
-                let volume = t.corners[0].dot(t.lines[1]);
-                let ccw = volume > 0.0;
-                let weight: $f = t.lines.iter().map(|line| line.z).sum();
-                let before_light = volume * weight.signum() <= disc.far * weight.abs();
-                let above = !disc.dips || disc.horizon.z >= 0.0;
-                let meets_centre = volume != 0.0 && t.left == [ccw; 3];
-                let mut share = 0.0;
-                if meets_centre && before_light && above {
-                    share += if ccw { 1.0 } else { -1.0 };
-                }
-                for i in 0..3 {
-                    if t.counts[i] {
-                        let (a, b) = (t.corners[i], t.corners[(i + 1) % 3]);
-                        share += cut_edge_share(disc, a, b, t.lines[i], t.left[i]);
-                    }
-                }
-                let cuts =
-                    |values: [$f; 3]| values.iter().any(|v| *v < 0.0) && values.iter().any(|v| *v >= 0.0);
-                let before = t.corners.map(|corner| disc.far - corner.z);
-                if cuts(before) {
-                    let [out, back] = cut_outline(t.corners, before);
-                    let line = out.cross(back);
-                    let left = if meets_centre { before_light == ccw } else { line.z >= 0.0 };
-                    share += cut_edge_share(DiscView { far: 2.0 * disc.far, ..disc }, out, back, line, left);
-                }
+            pub(crate) fn triangle_share(disc: DiscView, corners: [$vec3; 3]) -> $f {
+                let high = corners.iter().fold($f::NEG_INFINITY, |high, corner| high.max(corner.z));
+                let nearest = 1e-4 * disc.far.min(high);
+                let mut outline = cut_outline(&corners, |corner| corner.z - nearest);
+                outline = cut_outline(&outline, |corner| disc.far - corner.z);
                 if disc.dips {
-                    let heights = t.corners.map(|corner| disc.horizon.dot(corner));
-                    if cuts(heights) {
-                        let [out, back] = cut_outline(t.corners, heights);
-                        let line = if ccw { disc.horizon } else { -disc.horizon };
-                        let level = DiscView { dips: false, ..disc };
-                        share += cut_edge_share(level, out, back, line, above == ccw);
-                    }
+                    outline = cut_outline(&outline, |corner| height_over(disc, corner));
                 }
-                share
+                let corner = |i: usize| in_disc_plane(outline[i % outline.len()]);
+                (0..outline.len()).map(|i| sector_share(corner(i), corner(i + 1))).sum()
             }
 
             #[derive(Clone, Copy)]
@@ -222,7 +200,10 @@ macro_rules! twin {
                 line: $vec3,
                 left: bool,
             ) -> $vec2 {
-                let middle_left = line.dot((-chord.offset * chord.up).extend(1.0)) >= 0.0;
+                let in_plane =
+                    [a, b].iter().all(|p| (disc.horizon.dot(*p) + disc.lift * p.z).abs() <= disc.margin);
+                let at_middle = line.dot((-chord.offset * chord.up).extend(1.0));
+                let middle_left = if in_plane { line.truncate().dot(chord.up) } else { at_middle } >= 0.0;
                 let aside = [a, b].map(|corner| corner.truncate().dot(chord.along));
                 let mut terms = $vec2::ZERO;
                 let at = aside[0] / (aside[0] - aside[1]);
@@ -232,7 +213,7 @@ macro_rules! twin {
                 {
                     terms.x = if middle_left { 1.0 } else { -1.0 };
                 }
-                let heights = [a, b].map(|corner| disc.horizon.dot(corner));
+                let heights = [a, b].map(|corner| height_over(disc, corner));
                 if (heights[0] >= 0.0) != (heights[1] >= 0.0) {
                     let crossing = a.lerp(b, heights[0] / (heights[0] - heights[1]));
                     if crossing.z > 0.0 && crossing.z <= disc.far {

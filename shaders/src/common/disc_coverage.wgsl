@@ -103,6 +103,16 @@ struct DiscView {
     far: f32,
     // Whether the plane cuts the disc.
     dips: bool,
+    // Corners within this of the receiver's plane lie in it: below the horizon.
+    margin: f32,
+    // By how much the horizon is taken to lie above the receiver's plane, where Z is 1.
+    lift: f32,
+}
+
+// Of a corner, over the horizon.
+fn height_over(disc: DiscView, corner: vec3f) -> f32 {
+    let height = dot(disc.horizon, corner);
+    return select(height, -disc.margin, abs(height) <= disc.margin);
 }
 
 // What of the way 0 ... 1 is left where a value that goes from `at_start` to `at_end` is not negative.
@@ -118,7 +128,7 @@ fn cut_way(way: vec2f, at_start: f32, at_end: f32) -> vec2f {
 fn cut_edge_share(disc: DiscView, a: vec3f, b: vec3f, line: vec3f, left: bool) -> f32 {
     var way = cut_way(vec2f(0.0, 1.0), disc.far - a.z, disc.far - b.z);
     if disc.dips {
-        way = cut_way(way, dot(disc.horizon, a), dot(disc.horizon, b));
+        way = cut_way(way, height_over(disc, a), height_over(disc, b));
     }
     if way.x >= way.y {
         return 0.0;
@@ -126,73 +136,81 @@ fn cut_edge_share(disc: DiscView, a: vec3f, b: vec3f, line: vec3f, left: bool) -
     return edge_share(select(mix(a, b, way.x), a, way.x == 0.0), select(mix(a, b, way.y), b, way.y == 1.0), line, left);
 }
 
-// Where the outline of a triangle leaves the side where `values` (of a, b, c) are not negative, and where it comes back.
-struct Cut {
-    out_at: vec3f,
-    back_at: vec3f,
+// The share of the disc within the triangle of the centre, a and b; negative where they are clockwise.
+fn sector_share(a: vec2f, b: vec2f) -> f32 {
+    let way = b - a;
+    let length_squared = max(dot(way, way), NOTHING);
+    let cross = a.x * way.y - a.y * way.x;
+    let foot = -dot(a, way) / length_squared;
+    let half = sqrt(max(length_squared - cross * cross, 0.0)) / length_squared;
+    let enters = clamp(foot - half, 0.0, 1.0);
+    let leaves = clamp(foot + half, 0.0, 1.0);
+    if enters >= leaves {
+        return angle_between(a, b) * (0.5 / PI);
+    }
+    let inside = cross * (leaves - enters);
+    return (angle_between(a, a + way * enters) + inside + angle_between(a + way * leaves, b)) * (0.5 / PI);
 }
 
-fn cut_outline(a: vec3f, b: vec3f, c: vec3f, values: vec3f) -> Cut {
-    let ab = mix(a, b, values.x / (values.x - values.y));
-    let bc = mix(b, c, values.y / (values.y - values.z));
-    let ca = mix(c, a, values.z / (values.z - values.x));
-    let inside = values >= vec3f(0.0);
-    var cut: Cut;
-    cut.out_at = select(select(ca, bc, inside.y && !inside.z), ab, inside.x && !inside.y);
-    cut.back_at = select(select(ca, bc, !inside.y && inside.z), ab, !inside.x && inside.y);
+// −π ... π.
+fn angle_between(a: vec2f, b: vec2f) -> f32 {
+    return direction(vec2f(dot(a, b), a.x * b.y - a.y * b.x));
+}
+
+// A convex polygon.
+struct Outline {
+    count: u32,
+    corners: array<vec3f, 6>,
+}
+
+// What of an outline lies where inside·(x, 1) is not negative; corners within `margin` do not.
+fn cut_outline(outline: Outline, inside: vec4f, margin: f32) -> Outline {
+    var whole = outline;
+    var cut: Outline;
+    for (var i = 0u; i < whole.count; i += 1u) {
+        let a = whole.corners[i];
+        let b = whole.corners[select(i + 1u, 0u, i + 1u == whole.count)];
+        var ends = vec2f(dot(inside.xyz, a), dot(inside.xyz, b)) + inside.w;
+        ends = select(ends, vec2f(-margin), abs(ends) <= vec2f(margin));
+        if ends.x >= 0.0 && cut.count < 6u {
+            cut.corners[cut.count] = a;
+            cut.count += 1u;
+        }
+        if (ends.x >= 0.0) != (ends.y >= 0.0) && cut.count < 6u {
+            cut.corners[cut.count] = mix(a, b, ends.x / (ends.x - ends.y));
+            cut.count += 1u;
+        }
+    }
     return cut;
 }
 
-// A triangle as it is seen from a receiver: corners, the lines of its edges, and whether the centre of the light is to the
-// left of each. Edges that do not count are those of neighbours that hide the light on their other side.
-struct SeenTriangle {
-    a: vec3f,
-    b: vec3f,
-    c: vec3f,
-    ab: vec3f,
-    bc: vec3f,
-    ca: vec3f,
-    // For ab, bc, ca.
-    left: vec3<bool>,
-    counts: vec3<bool>,
-}
+// What lies nearer to the receiver than this part of the way to the light is not seen one by one.
+const NEAREST_CORNER: f32 = 1e-4;
 
-// The share of the disc that a triangle hides; negative where its corners are clockwise. Edges that do not count are left
-// out, so that only sums over triangles mean something.
-fn triangle_share(disc: DiscView, t: SeenTriangle) -> f32 {
-    let volume = dot(t.a, t.bc);
-    let ccw = volume > 0.0;
-    // Where the way to the centre meets the triangle's plane, times this, is `volume`.
-    let weight = t.ab.z + t.bc.z + t.ca.z;
-    let before_light = volume * sign(weight) <= disc.far * abs(weight);
-    let above = !disc.dips || disc.horizon.z >= 0.0;
-    let meets_centre = select(!any(t.left), all(t.left), ccw) && volume != 0.0;
-    var share = select(0.0, select(-1.0, 1.0, ccw), meets_centre && before_light && above);
-    if t.counts.x {
-        share += cut_edge_share(disc, t.a, t.b, t.ab, t.left.x);
+// The share of the disc that one triangle hides, wherever it lies; negative where its corners are clockwise. All of its
+// outline is followed, outside the disc too, so that nothing need be known about the centre.
+fn triangle_share(disc: DiscView, a: vec3f, b: vec3f, c: vec3f) -> f32 {
+    var outline: Outline;
+    outline.count = 3u;
+    outline.corners[0] = a;
+    outline.corners[1] = b;
+    outline.corners[2] = c;
+    let low = min(a.z, min(b.z, c.z));
+    let high = max(a.z, max(b.z, c.z));
+    let nearest = NEAREST_CORNER * min(disc.far, high);
+    if low < nearest {
+        outline = cut_outline(outline, vec4f(0.0, 0.0, 1.0, -nearest), 0.0);
     }
-    if t.counts.y {
-        share += cut_edge_share(disc, t.b, t.c, t.bc, t.left.y);
-    }
-    if t.counts.z {
-        share += cut_edge_share(disc, t.c, t.a, t.ca, t.left.z);
-    }
-    // The edges along which it is cut.
-    let before = vec3f(disc.far) - vec3f(t.a.z, t.b.z, t.c.z);
-    if any(before < vec3f(0.0)) && any(before >= vec3f(0.0)) {
-        let cut = cut_outline(t.a, t.b, t.c, before);
-        let line = cross(cut.out_at, cut.back_at);
-        share += cut_edge_share(DiscView(disc.horizon, 2.0 * disc.far, disc.dips), cut.out_at, cut.back_at, line,
-            select(line.z >= 0.0, before_light == ccw, meets_centre));
+    if high > disc.far {
+        outline = cut_outline(outline, vec4f(0.0, 0.0, -1.0, disc.far), 0.0);
     }
     if disc.dips {
-        let heights = vec3f(dot(disc.horizon, t.a), dot(disc.horizon, t.b), dot(disc.horizon, t.c));
-        if any(heights < vec3f(0.0)) && any(heights >= vec3f(0.0)) {
-            let cut = cut_outline(t.a, t.b, t.c, heights);
-            // Along the horizon itself nothing lies below it.
-            share += cut_edge_share(DiscView(disc.horizon, disc.far, false), cut.out_at, cut.back_at,
-                select(-disc.horizon, disc.horizon, ccw), above == ccw);
-        }
+        outline = cut_outline(outline, vec4f(disc.horizon, 0.0), disc.margin);
+    }
+    var share = 0.0;
+    for (var i = 0u; i < outline.count; i += 1u) {
+        let next = select(i + 1u, 0u, i + 1u == outline.count);
+        share += sector_share(in_disc_plane(outline.corners[i]), in_disc_plane(outline.corners[next]));
     }
     return share;
 }
@@ -224,13 +242,16 @@ fn chord_share(chord: Chord, place: f32) -> f32 {
 // What an edge changes: by how much more its left side covers the middle of the chord than the centre, and what the
 // change of cover along the chord adds. For an edge that weighs 1 and has a, b in canonical order.
 fn chord_terms(disc: DiscView, chord: Chord, a: vec3f, b: vec3f, line: vec3f, left: bool) -> vec2f {
-    let middle_left = dot(line, vec3f(-chord.offset * chord.up, 1.0)) >= 0.0;
+    // The middle lies above an edge in the receiver's plane, whatever rounding makes of it.
+    let over_plane = vec2f(dot(disc.horizon, a), dot(disc.horizon, b)) + disc.lift * vec2f(a.z, b.z);
+    let in_plane = all(abs(over_plane) <= vec2f(disc.margin));
+    let middle_left = select(dot(line, vec3f(-chord.offset * chord.up, 1.0)), dot(line.xy, chord.up), in_plane) >= 0.0;
     let aside = vec2f(dot(a.xy, chord.along), dot(b.xy, chord.along));
     var terms = vec2f(0.0);
     if middle_left != left && (aside.x >= 0.0) != (aside.y >= 0.0) && mix(a.z, b.z, aside.x / (aside.x - aside.y)) > 0.0 {
         terms.x = select(-1.0, 1.0, middle_left);
     }
-    let heights = vec2f(dot(disc.horizon, a), dot(disc.horizon, b));
+    let heights = vec2f(height_over(disc, a), height_over(disc, b));
     if (heights.x >= 0.0) != (heights.y >= 0.0) {
         let crossing = mix(a, b, heights.x / (heights.x - heights.y));
         if crossing.z > 0.0 && crossing.z <= disc.far {
