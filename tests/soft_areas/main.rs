@@ -16,7 +16,7 @@ use glam::{DVec3, Vec3};
 use shadowgraph::engine::scene::ParamValue;
 use shadowgraph::engine::shadow::disc_samples;
 use shadowgraph::prelude::*;
-use stage::{Errors, Lamp, Pixels, Stage, block};
+use stage::{Lamp, Pixels, Stage, block};
 
 /// Heights of the lamp over the floor and its radius, in metres, as the methods' own measurements had them.
 const LAMPS: [(f64, f64); 8] =

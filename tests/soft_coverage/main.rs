@@ -87,9 +87,7 @@ fn short(disc: in_f64::DiscView) -> in_f32::DiscView {
 }
 
 fn share_in_f32(disc: in_f64::DiscView, corners: [DVec3; 3]) -> f64 {
-    let disc = in_f32::DiscView { horizon: disc.horizon.as_vec3(), far: disc.far as f32, dips: disc.dips };
-    let seen = in_f32::SeenTriangle::new(corners.map(|p| p.as_vec3()), [false; 3], [true; 3]);
-    f64::from(in_f32::triangle_share(disc, &seen))
+    f64::from(in_f32::triangle_share(short(disc), corners.map(|p| p.as_vec3())))
 }
 
 fn share(disc: in_f64::DiscView, corners: [DVec3; 3]) -> f64 {

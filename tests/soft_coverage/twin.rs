@@ -135,8 +135,9 @@ macro_rules! twin {
                 if enters >= leaves {
                     return angle_between(a, b) * (0.5 / PI);
                 }
-                let outside = angle_between(a, a + way * enters) + angle_between(a + way * leaves, b);
-                (outside + cross * (leaves - enters)) * (0.5 / PI)
+                let before = if enters > 0.0 { angle_between(a, a + way * enters) } else { 0.0 };
+                let after = if leaves < 1.0 { angle_between(a + way * leaves, b) } else { 0.0 };
+                (before + cross * (leaves - enters) + after) * (0.5 / PI)
             }
 
             fn angle_between(a: $vec2, b: $vec2) -> $f {
@@ -155,14 +156,15 @@ macro_rules! twin {
                         cut.push(a.lerp(b, ends[0] / (ends[0] - ends[1])));
                     }
                 }
-                assert!(cut.len() <= 6, "the shader has no room for more");
+                assert!(cut.len() <= 9, "the shader has no room for more");
                 cut
             }
 
             pub(crate) fn triangle_share(disc: DiscView, corners: [$vec3; 3]) -> $f {
-                let high = corners.iter().fold($f::NEG_INFINITY, |high, corner| high.max(corner.z));
-                let nearest = 1e-4 * disc.far.min(high);
-                let mut outline = cut_outline(&corners, |corner| corner.z - nearest);
+                let mut outline = corners.to_vec();
+                for side in [$vec3::X, -$vec3::X, $vec3::Y, -$vec3::Y] {
+                    outline = cut_outline(&outline, |corner| side.dot(corner) + 4.0 * corner.z);
+                }
                 outline = cut_outline(&outline, |corner| disc.far - corner.z);
                 if disc.dips {
                     outline = cut_outline(&outline, |corner| height_over(disc, corner));

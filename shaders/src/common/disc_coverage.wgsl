@@ -149,7 +149,10 @@ fn sector_share(a: vec2f, b: vec2f) -> f32 {
         return angle_between(a, b) * (0.5 / PI);
     }
     let inside = cross * (leaves - enters);
-    return (angle_between(a, a + way * enters) + inside + angle_between(a + way * leaves, b)) * (0.5 / PI);
+    // From an end within the disc there is no way outside: not even a rounded one.
+    let before = select(0.0, angle_between(a, a + way * enters), enters > 0.0);
+    let after = select(0.0, angle_between(a + way * leaves, b), leaves < 1.0);
+    return (before + inside + after) * (0.5 / PI);
 }
 
 // −π ... π.
@@ -157,10 +160,10 @@ fn angle_between(a: vec2f, b: vec2f) -> f32 {
     return direction(vec2f(dot(a, b), a.x * b.y - a.y * b.x));
 }
 
-// A convex polygon.
+// A convex polygon: a triangle, cut by six planes.
 struct Outline {
     count: u32,
-    corners: array<vec3f, 6>,
+    corners: array<vec3f, 9>,
 }
 
 // What of an outline lies where inside·(x, 1) is not negative; corners within `margin` do not.
@@ -172,11 +175,11 @@ fn cut_outline(outline: Outline, inside: vec4f, margin: f32) -> Outline {
         let b = whole.corners[select(i + 1u, 0u, i + 1u == whole.count)];
         var ends = vec2f(dot(inside.xyz, a), dot(inside.xyz, b)) + inside.w;
         ends = select(ends, vec2f(-margin), abs(ends) <= vec2f(margin));
-        if ends.x >= 0.0 && cut.count < 6u {
+        if ends.x >= 0.0 && cut.count < 9u {
             cut.corners[cut.count] = a;
             cut.count += 1u;
         }
-        if (ends.x >= 0.0) != (ends.y >= 0.0) && cut.count < 6u {
+        if (ends.x >= 0.0) != (ends.y >= 0.0) && cut.count < 9u {
             cut.corners[cut.count] = mix(a, b, ends.x / (ends.x - ends.y));
             cut.count += 1u;
         }
@@ -184,8 +187,8 @@ fn cut_outline(outline: Outline, inside: vec4f, margin: f32) -> Outline {
     return cut;
 }
 
-// What lies nearer to the receiver than this part of the way to the light is not seen one by one.
-const NEAREST_CORNER: f32 = 1e-4;
+// Beyond this many radii from the centre nothing is followed: what is far out would cost the digits of what is near.
+const WIDEST: f32 = 4.0;
 
 // The share of the disc that one triangle hides, wherever it lies; negative where its corners are clockwise. All of its
 // outline is followed, outside the disc too, so that nothing need be known about the centre.
@@ -195,13 +198,14 @@ fn triangle_share(disc: DiscView, a: vec3f, b: vec3f, c: vec3f) -> f32 {
     outline.corners[0] = a;
     outline.corners[1] = b;
     outline.corners[2] = c;
-    let low = min(a.z, min(b.z, c.z));
-    let high = max(a.z, max(b.z, c.z));
-    let nearest = NEAREST_CORNER * min(disc.far, high);
-    if low < nearest {
-        outline = cut_outline(outline, vec4f(0.0, 0.0, 1.0, -nearest), 0.0);
+    let reach = max(max(abs(a.xy), abs(b.xy)), abs(c.xy));
+    if max(reach.x, reach.y) > WIDEST * min(a.z, min(b.z, c.z)) {
+        outline = cut_outline(outline, vec4f(1.0, 0.0, WIDEST, 0.0), 0.0);
+        outline = cut_outline(outline, vec4f(-1.0, 0.0, WIDEST, 0.0), 0.0);
+        outline = cut_outline(outline, vec4f(0.0, 1.0, WIDEST, 0.0), 0.0);
+        outline = cut_outline(outline, vec4f(0.0, -1.0, WIDEST, 0.0), 0.0);
     }
-    if high > disc.far {
+    if max(a.z, max(b.z, c.z)) > disc.far {
         outline = cut_outline(outline, vec4f(0.0, 0.0, -1.0, disc.far), 0.0);
     }
     if disc.dips {
