@@ -110,6 +110,13 @@ fn soft_lights() {
     }
 }
 
+#[test]
+fn penumbra_wedges() {
+    for (structure, rust) in shadowgraph_nodes::wedge_layouts() {
+        assert_same("penumbra_wedge", structure, rust);
+    }
+}
+
 /// A structure that a shader binds and no test compares would drift unseen.
 #[test]
 fn every_structure_bound_as_data_is_compared() {
@@ -126,6 +133,8 @@ fn every_structure_bound_as_data_is_compared() {
         "Material",
         "SoftCasters",
         "Volume",
+        "WedgeCasters",
+        "WedgeEdge",
     ];
     for name in shadowgraph_shaders::names() {
         let module = parse(name, &[]);

@@ -12,7 +12,7 @@ use shadowgraph_engine::shadow::Catalog;
 pub use shadow_volume_hard::{
     Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, ShadowVolumeHard, Terminator,
 };
-pub use shadow_volume_soft::{Apply, Quality, ShadowVolumeSoft, layouts as soft_layouts};
+pub use shadow_volume_soft::{Apply, Quality, ShadowVolumeSoft, layouts as soft_layouts, wedge_layouts};
 
 pub use soft_shadow::{
     Flat, MAX_RESOLUTION, MAX_SAMPLES, MaskedCorner, NotPlanar, PlanarLight, PlanarMode, PlanarTexture,

@@ -43,6 +43,7 @@ use crate::common::layer_groups::{Caster, MAX_COUNT, group_by_layers};
 use crate::common::masked;
 use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
 use draws::{Counter, fold_pass, upload, volume_draws};
+pub(crate) use float_counts::Layers;
 use float_counts::count_in_float;
 use options::TYPE_NAME;
 pub use options::{
@@ -110,7 +111,7 @@ impl ShadowTechnique for ShadowVolumeHard {
 
     fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
         self.cast_masks(light)?;
-        let volumes = self.volumes(light)?;
+        let volumes = self.volumes(light, Reach::Shadow)?;
         if volumes.is_empty() {
             return Ok(());
         }
@@ -199,9 +200,18 @@ impl Volume<'_> {
     }
 }
 
+/// Which casters matter.
+#[derive(Clone, Copy, PartialEq)]
+enum Reach {
+    /// Those whose shadow may be in view.
+    Shadow,
+    /// All: of a light with a size, the penumbra reaches beyond the shadow from its centre.
+    BeyondShadow,
+}
+
 impl ShadowVolumeHard {
     /// The volumes of all casters that can matter, with mode, depth test and end chosen.
-    fn volumes<'a>(&self, light: &mut LightPlan<'a>) -> Result<Vec<Volume<'a>>, ShadowError> {
+    fn volumes<'a>(&self, light: &mut LightPlan<'a>, reach: Reach) -> Result<Vec<Volume<'a>>, ShadowError> {
         let (position, view) = (light.light().position, light.view);
         let mut volumes = Vec::new();
         let (mut left_out, mut keep_terminator) = (Vec::new(), Vec::new());
@@ -210,7 +220,7 @@ impl ShadowVolumeHard {
             if !whole.contains(&true) {
                 continue;
             }
-            if let Err(reason) = light.may_shadow(&instance.world_bounds) {
+            if let (Reach::Shadow, Err(reason)) = (reach, light.may_shadow(&instance.world_bounds)) {
                 left_out.push((instance, reason));
                 continue;
             }

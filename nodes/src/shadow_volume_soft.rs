@@ -24,7 +24,9 @@ mod chain;
 mod gather;
 mod lists;
 mod options;
+mod per_receiver;
 mod sampled;
+mod wedge;
 
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{LightPlan, LightSize, ShadowError, ShadowTechnique};
@@ -32,6 +34,7 @@ use shadowgraph_engine::shadow::{LightPlan, LightSize, ShadowError, ShadowTechni
 pub use gather::layouts;
 use options::TYPE_NAME;
 pub use options::{Apply, Quality, ShadowVolumeSoft};
+pub use wedge::layouts as wedge_layouts;
 
 impl ShadowTechnique for ShadowVolumeSoft {
     fn type_name(&self) -> &'static str {
@@ -43,8 +46,20 @@ impl ShadowTechnique for ShadowVolumeSoft {
     }
 
     fn known_error(&self) -> &'static str {
-        "the light is its samples: at most 0.5/sqrt(samples) off its whole disc; and pixels in which a sample is blocked \
-         or not within 1/256 pixel"
+        match self.quality {
+            Quality::Sampled => {
+                "the light is its samples: at most 0.5/sqrt(samples) off its whole disc; and pixels in which a sample is \
+                 blocked or not within 1/256 pixel"
+            }
+            Quality::PerReceiver => {
+                "areas add up: where casters, or layers of one, overlap before the light, penumbrae are too dark; before \
+                 one convex caster exact"
+            }
+            Quality::Wedge => {
+                "silhouettes are those of the light's centre, areas add up, and along hard shadow edges single pixels are a \
+                 layer off, as published in 2003"
+            }
+        }
     }
 
     fn light_size(&self) -> LightSize {
@@ -65,8 +80,8 @@ impl ShadowTechnique for ShadowVolumeSoft {
         }
         match self.quality {
             Quality::Sampled => self.plan_sampled(light),
-            Quality::PerReceiver | Quality::Wedge => Err(light
-                .unsupported("quality=perReceiver and quality=wedge are not there yet (accepted: sampled)")),
+            Quality::PerReceiver => self.plan_per_receiver(light),
+            Quality::Wedge => self.plan_wedges(light),
         }
     }
 }

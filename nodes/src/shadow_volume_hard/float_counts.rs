@@ -9,13 +9,43 @@
 
 use shadowgraph_engine::geometry::GroupMember;
 use shadowgraph_engine::plan::{
-    Binding, BlendState, ColorTarget, CompareFunction, Draw, DrawState, Geometry, Load, Pass, TextureFormat,
+    Binding, BlendState, ColorTarget, CompareFunction, Draw, DrawState, Geometry, Load, Pass, SlotId,
+    TextureFormat,
 };
 use shadowgraph_engine::shadow::{Channels, Features, LightPlan, ShadowError};
 
 use super::draws::{Counter, upload, volume_draws, volume_shader};
-use super::{Volume, volumes_pass};
+use super::{Reach, ShadowVolumeHard, Volume, volumes_pass};
+use crate::common::layer_groups::Caster;
 use crate::common::volume::Weights;
+
+/// Layers between every pixel and a light, for techniques that add fractions to them.
+pub(crate) struct Layers<'a> {
+    /// The target of one channel in which they were counted.
+    pub(crate) counts: SlotId,
+    /// The casters that were counted, with the triangles that cast.
+    pub(crate) casters: Vec<Caster<'a>>,
+}
+
+impl ShadowVolumeHard {
+    /// Counts all casters of the light in a float target, those too whose shadow from the light's centre is not in view,
+    /// and leaves it at that. `None` when there is nothing to count.
+    ///
+    /// # Errors
+    /// What the options do not accept.
+    pub(crate) fn count_layers<'a>(
+        &self,
+        light: &mut LightPlan<'a>,
+    ) -> Result<Option<Layers<'a>>, ShadowError> {
+        let volumes = self.volumes(light, Reach::BeyondShadow)?;
+        if volumes.is_empty() {
+            return Ok(None);
+        }
+        let fractions = light.features.contains(Features::FLOAT32_BLENDABLE);
+        let counts = count(light, &volumes, fractions)?;
+        Ok(Some(Layers { counts, casters: volumes.into_iter().map(|volume| volume.caster).collect() }))
+    }
+}
 
 /// A half float holds every integer up to here.
 const MAX_IN_HALF: u64 = 1 << 11;
@@ -24,21 +54,8 @@ const MAX_IN_FLOAT: u64 = 1 << 24;
 
 /// Counts in a float target and darkens the light's visibility where the count is not zero.
 pub(super) fn count_in_float(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) -> Result<(), ShadowError> {
-    let everything: Vec<GroupMember> = (0..volumes.len()).map(GroupMember::whole).collect();
-    let buffers = upload(light, volumes, &[everything], Weights::Apart);
-    let draws: Vec<Draw> = volumes
-        .iter()
-        .zip(0..)
-        .flat_map(|(volume, record)| volume_draws(volume, record, &buffers, Counter::Float))
-        .collect();
-    let largest =
-        draws.iter().map(|draw| draw.vertices() / 3 * draw.state.blend_constant[0].abs() as u64).sum();
-    let format = format_for(light, largest)?;
+    let counts = count(light, volumes, false)?;
     let name = light.light().name.clone();
-    let reason = format!("sums of up to {largest}, whatever the order of drawing");
-    let counts = light.texture(&format!("counts of {name}"), format, light.view.size_px, 1, &reason);
-    let target = ColorTarget { slot: counts, layer: 0, load: Load::Clear([0.0; 4]), resolve: None };
-    light.pass(volumes_pass(light, volumes.len(), vec![target], light.test_depth(), draws));
     let target = light.multiply_visibility(Channels::One);
     light.pass(Pass {
         name: format!("darken {name}"),
@@ -55,6 +72,30 @@ pub(super) fn count_in_float(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) 
         }],
     });
     Ok(())
+}
+
+/// Counts in a target of its own: in the smallest format that holds the sums, or in a float that holds `fractions` too.
+fn count(light: &mut LightPlan<'_>, volumes: &[Volume<'_>], fractions: bool) -> Result<SlotId, ShadowError> {
+    let everything: Vec<GroupMember> = (0..volumes.len()).map(GroupMember::whole).collect();
+    let buffers = upload(light, volumes, &[everything], Weights::Apart);
+    let draws: Vec<Draw> = volumes
+        .iter()
+        .zip(0..)
+        .flat_map(|(volume, record)| volume_draws(volume, record, &buffers, Counter::Float))
+        .collect();
+    let largest: u64 =
+        draws.iter().map(|draw| draw.vertices() / 3 * draw.state.blend_constant[0].abs() as u64).sum();
+    let format = if fractions {
+        format_for(light, largest.max(MAX_IN_HALF + 1))?
+    } else {
+        format_for(light, largest)?
+    };
+    let name = light.light().name.clone();
+    let reason = format!("sums of up to {largest}, whatever the order of drawing");
+    let counts = light.texture(&format!("counts of {name}"), format, light.view.size_px, 1, &reason);
+    let target = ColorTarget { slot: counts, layer: 0, load: Load::Clear([0.0; 4]), resolve: None };
+    light.pass(volumes_pass(light, volumes.len(), vec![target], light.test_depth(), draws));
+    Ok(counts)
 }
 
 /// The smallest format that holds every integer up to `largest`.

@@ -10,7 +10,8 @@
 //! side of one of them; then so is the way to every sample, and it does not meet the edge. All other edges are kept.
 //!
 //! *Solids.* Where the light is outside a solid, only triangles whose outer side the light sees count: p is behind them
-//! ([`Half::Lit`]).
+//! ([`Half::Lit`]). Where receivers are outside, those alone will do of which they see the outer side ([`Half::Unlit`]):
+//! every way into the solid begins with one.
 //!
 //! *Near triangles.* A triangle close to the light may be met beyond it or in it. Those are left out of the
 //! chain, which any subset of triangles is closed for, and asked one by one.
@@ -54,6 +55,8 @@ pub(super) const AGAINST_1: u32 = 1;
 pub(super) const AGAINST_2: u32 = 2;
 /// The triangles count for points behind their planes only.
 pub(super) const BEHIND_ONLY: u32 = 4;
+/// The triangles count for points before their planes only.
+pub(super) const BEFORE_ONLY: u32 = 32;
 /// The triangle's plane faces the other way than its corners a, b, c run.
 pub(super) const TURNED: u32 = 1;
 /// The light's centre is before the triangle's plane.
@@ -177,7 +180,7 @@ struct Face {
 }
 
 impl CasterChain {
-    /// The chain of `instance` with the triangles of `shape`, for `light`. `half` is `Both` or `Lit`.
+    /// The chain of `instance` with the triangles of `shape`, for `light`. `half` says which of its triangles.
     pub(super) fn new(instance: &Instance, shape: &CastShape<'_>, light: &LightBall, half: Half) -> Self {
         let topology = shape.topology();
         let center = instance.world_bounds.center();
@@ -186,7 +189,7 @@ impl CasterChain {
             .collect();
         let signs = shape.whole_only(instance, vec![1; topology.triangles().len()]);
         let orientation = match (half, shape) {
-            (Half::Lit, CastShape::Own(_) | CastShape::Capped(_)) => {
+            (Half::Lit | Half::Unlit, CastShape::Own(_) | CastShape::Capped(_)) => {
                 topology.orientation(&instance.world_from_local)
             }
             _ => None,
@@ -238,7 +241,7 @@ impl CasterChain {
             let turned = q.to_array() < p.to_array();
             let (a, b) = if turned { (q, p) } else { (p, q) };
             let against = |sigma: i32| (sigma < 0) != turned;
-            let mut bits = if half == Half::Both { 0 } else { BEHIND_ONLY };
+            let mut bits = counted_from(half);
             bits |= if against(sigma) { AGAINST_1 } else { 0 };
             bits |= second.map_or(0, |(sigma, _)| if against(sigma) { AGAINST_2 } else { 0 });
             let record = SoftEdge {
@@ -251,6 +254,15 @@ impl CasterChain {
             };
             self.edges.push(ChainEdge { record, ends });
         }
+    }
+}
+
+/// From which side of its plane a triangle counts.
+fn counted_from(half: Half) -> u32 {
+    match half {
+        Half::Both => 0,
+        Half::Lit => BEHIND_ONLY,
+        Half::Unlit => BEFORE_ONLY,
     }
 }
 
@@ -292,7 +304,7 @@ fn triangle_record(
     let normal = Vec3::from_slice(&face.plane).as_dvec3();
     let height = normal.dot(light.position.truncate() - corners[0] * light.position.w);
     let mut bits = if even == (face.orient > 0) { 0 } else { TURNED };
-    bits |= if half == Half::Both { 0 } else { BEHIND_ONLY };
+    bits |= counted_from(half);
     bits |= if height > 0.0 { CENTER_BEFORE } else { CENTER_BEHIND };
     let [a, b, c] = sorted.map(|corner| corner.to_array());
     SoftTriangle { a, caster: 0, b, bits, c, pad_0: 0, plane: face.plane }

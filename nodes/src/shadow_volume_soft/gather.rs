@@ -12,9 +12,9 @@ use shadowgraph_engine::plan::{
 use shadowgraph_engine::scene::Instance;
 use shadowgraph_engine::shadow::{LightPlan, ShadowError, hash_of};
 
-use super::ShadowVolumeSoft;
 use super::chain::{CasterChain, LightBall, SoftEdge, SoftTriangle};
 use super::lists::{MAX_SLICES, SoftGrid, clusters};
+use super::{Quality, ShadowVolumeSoft};
 use crate::GeometryMode;
 use crate::common::masked::{GridPlane, Layout};
 use crate::common::volume::{CastShape, Half};
@@ -225,7 +225,16 @@ impl ShadowVolumeSoft {
         // From inside the solid, the light would see its walls from behind, which cast nothing in this mode.
         let outside = ball.position.w == 0.0
             || instance.world_bounds.distance(ball.position.truncate()) > ball.radius * (1.0 + 1e-6);
-        Ok(if outside { Half::Lit } else { Half::Both })
+        if outside {
+            return Ok(Half::Lit);
+        }
+        // Areas of all walls would count every way through the solid twice. Seen from outside, one side of it is enough.
+        let local_from_world = instance.world_from_local.inverse();
+        let near = light.view.frustum.near_corners.map(|corner| local_from_world.transform_point3(corner));
+        let eye = light.view.camera.world_from_view.translation;
+        let near = Aabb::from_points(near.into_iter().chain([local_from_world.transform_point3(eye)]));
+        let eye_inside = topology.components().iter().any(|component| component.bounds.overlaps(&near));
+        Ok(if self.quality == Quality::PerReceiver && !eye_inside { Half::Unlit } else { Half::Both })
     }
 
     /// Adds what the shaders read to the plan.

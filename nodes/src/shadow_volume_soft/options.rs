@@ -88,6 +88,18 @@ const SAMPLES: std::ops::RangeInclusive<u32> = 16..=256;
 /// What reports and tests try beside the default.
 const SETTINGS: &[Setting] = &[
     Setting {
+        name: "per-receiver",
+        why: "areas instead of samples: smooth, and exact before one convex caster",
+        params: || {
+            ShadowVolumeSoft { quality: Quality::PerReceiver, ..ShadowVolumeSoft::default() }.to_params()
+        },
+    },
+    Setting {
+        name: "wedge",
+        why: "penumbra wedges as of 2003, the baseline",
+        params: || ShadowVolumeSoft { quality: Quality::Wedge, ..ShadowVolumeSoft::default() }.to_params(),
+    },
+    Setting {
         name: "samples 16",
         why: "a quarter of the samples: faster, and steps of a sixteenth",
         params: || ShadowVolumeSoft { samples: 16, ..ShadowVolumeSoft::default() }.to_params(),

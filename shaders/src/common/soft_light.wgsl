@@ -65,12 +65,12 @@ struct SoftHead {
 // those of the world.
 // 0: its lower end a, in the order of coordinates, so that all that computes with it does so in one order; its caster.
 // 1: its upper end b; bits: 0 and 1, the first and the second triangle run against it; 2, they count for points behind
-//    them only.
+//    them only; 5, before them only.
 // 2, 3: unit normals and offsets of its one or two triangles; 0 where there is no second.
 @group(1) @binding(1) var soft_edges: texture_2d<u32>;
 // A triangle, in four texels.
 // 0: corner a, its caster. 1: corner b; bits: 0, its plane faces the other way than a, b, c run; 2, it counts for points
-// behind it only; 3 and 4, the light's centre is before it, or behind. 2: corner c. 3: its plane. Corners are in the order
+// behind it only; 5, before it only; 3 and 4, the light's centre is before it, or behind. 2: corner c. 3: its plane. Corners are in the order
 // of their coordinates.
 @group(1) @binding(2) var soft_triangles: texture_2d<u32>;
 // Words: for each cell, plane by plane, slice by slice and row by row, where the numbers of its edges begin, and where the
@@ -236,7 +236,7 @@ fn side_of(plane: vec4f, r: Receiver, from_center: vec3f, center_distance: f32) 
 
 // What a triangle on whose plane's side `side` the receiver is weighs.
 fn weight_of(side: i32, bits: u32) -> i32 {
-    return select(side, min(side, 0), (bits & 4u) != 0u);
+    return select(select(side, min(side, 0), (bits & 4u) != 0u), max(side, 0), (bits & 32u) != 0u);
 }
 
 // In the receiver's frame.
@@ -327,6 +327,8 @@ struct SeenEdge {
     // Its ends across the light's centre.
     a: vec2f,
     b: vec2f,
+    // How far these are along the way to it.
+    depths: vec2f,
     // See edge_heights; already for samples of the unit disc.
     heights: vec3f,
     // By how much the number of triangles before the light changes from the left of the edge to its right; 0 also where its
@@ -351,7 +353,7 @@ fn seen_edge(number: u32, r: Receiver) -> SeenEdge {
     let b = in_frame(r, b_in_world - from_center);
     let along = edge_heights(a, in_frame(r, b_in_world - a_in_world));
     let heights = vec3f(along.x, along.yz * r.k);
-    return SeenEdge(a.xy, b.xy, heights, select(0, weight, crosses_disc(heights)));
+    return SeenEdge(a.xy, b.xy, vec2f(a.z, b.z), heights, select(0, weight, crosses_disc(heights)));
 }
 
 // Whether the line of these heights crosses the unit disc, or may.

@@ -1,0 +1,102 @@
+//! Nothing sparkles: while a light or a caster moves in small steps, no pixel's factor changes by more than the right one
+//! does and a hundredth.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "rows of measurements are what a reader of the log is after")]
+
+#[allow(dead_code, reason = "other tests use the rest")]
+mod common;
+#[path = "soft_areas/stage.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod stage;
+#[path = "soft_coverage/twin.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod twin;
+
+use glam::{DVec3, Vec3};
+use shadowgraph::engine::scene::ParamValue;
+use shadowgraph::prelude::*;
+use stage::{Lamp, Stage, block};
+
+/// What may be left over of a change, after the right one is taken away.
+const JUMP: f64 = 0.01;
+/// The same of samples: they are seen one by one, several at once where an edge passes a row of them. 0.5/√samples, what
+/// they may be off as a whole.
+const SAMPLES_JUMP: f64 = 0.5 / 16.0;
+
+/// The stages of a motion, one after the other.
+fn motions() -> Vec<(&'static str, Vec<Stage>)> {
+    let lamp = |p, radius_m| Lamp { p, radius_m };
+    let steps = 12;
+    let step = |i: i32| f64::from(i - steps / 2) * 2e-3;
+    vec![
+        // The lamp passes the line of an upright edge, and the corner over it.
+        (
+            "over a corner",
+            (0..steps)
+                .map(|i| {
+                    Stage::new(vec![block()], lamp(DVec3::new(0.5 + step(i), 4.0, 0.5 - 0.3 * step(i)), 0.25))
+                })
+                .collect(),
+        ),
+        // The planes of two faces pass through a wide lamp.
+        (
+            "along a face",
+            (0..steps)
+                .map(|i| Stage::new(vec![block()], lamp(DVec3::new(2.6, 1.25 + step(i), 0.1), 0.4)))
+                .collect(),
+        ),
+        // The caster sinks towards the floor.
+        (
+            "sinking",
+            (0..steps)
+                .map(|i| {
+                    let mut caster = block();
+                    let down = Vec3::new(0.3, -1.0, 0.2) * (0.002 * i as f32);
+                    caster.positions.iter_mut().for_each(|p| *p += down);
+                    Stage::new(vec![caster], lamp(DVec3::new(-1.0, 3.0, 1.0), 0.8))
+                })
+                .collect(),
+        ),
+        // Steps that rounding alone can tell.
+        (
+            "hardly",
+            (0..steps)
+                .map(|i| Stage::new(vec![block()], lamp(DVec3::new(0.5 + step(i) * 1e-5, 4.0, 0.5), 0.5)))
+                .collect(),
+        ),
+    ]
+}
+
+fn largest_jump(renderer: &mut Renderer, stages: Vec<Stage>, quality: &str, samples: Option<f64>) -> f64 {
+    let mut last: Option<Vec<(f64, f64)>> = None;
+    let mut largest = 0.0_f64;
+    for mut stage in stages {
+        stage.options.extend(samples.map(|count| ("samples", ParamValue::Number(count))));
+        let pixels = stage.factors(renderer, quality);
+        let now: Vec<(f64, f64)> = pixels.iter().map(|(p, factor)| (*factor, stage.right(*p))).collect();
+        assert!(now.iter().any(|(factor, _)| *factor < 0.5), "no shadow");
+        for (before, now) in last.iter().flatten().zip(&now) {
+            let (own, right) = (now.0 - before.0, now.1 - before.1);
+            largest = largest.max(own.abs() - right.abs());
+        }
+        last = Some(now);
+    }
+    largest
+}
+
+#[test]
+fn factors_change_as_slowly_as_what_is_right() {
+    let Some(mut renderer) = common::renderer() else { return };
+    let mut failures = Vec::new();
+    for (quality, samples, most) in [("perReceiver", None, JUMP), ("sampled", Some(256.0), SAMPLES_JUMP)] {
+        for (name, stages) in motions() {
+            let jump = largest_jump(&mut renderer, stages, quality, samples);
+            println!("{quality} {name}: {jump:.5}");
+            if jump > most {
+                failures.push(format!("{quality} {name}: {jump}"));
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{failures:?}");
+}
