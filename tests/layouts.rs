@@ -117,7 +117,8 @@ fn every_structure_bound_as_data_is_compared() {
         "MaskedCone",
         "MaskedTriangle",
         "Material",
-        "SoftCasters",
+        "SoftHead",
+        "SoftHead",
         "Volume",
     ];
     for name in shadowgraph_shaders::names() {
