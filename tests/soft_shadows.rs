@@ -37,7 +37,7 @@ struct Found {
     penumbra: usize,
     outside: usize,
     inside: usize,
-    first: Vec<(usize, usize, f32, f32)>,
+    first: Vec<(usize, usize, [u32; 2], f32, f32)>,
 }
 
 fn found(measured: &Measured, reference: &ReferenceImage) -> Found {
@@ -61,7 +61,13 @@ fn found(measured: &Measured, reference: &ReferenceImage) -> Found {
                 found.outside += 1;
                 if found.first.len() < 4 {
                     let width = reference.size_px[0] as usize;
-                    found.first.push((pixel % width, pixel / width, factor[pixel], right));
+                    found.first.push((
+                        pixel % width,
+                        pixel / width,
+                        measured.ids[pixel],
+                        factor[pixel],
+                        right,
+                    ));
                 }
             }
         }

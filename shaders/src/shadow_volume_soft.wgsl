@@ -212,53 +212,67 @@ fn hidden(r: Receiver, lists: Lists, round: u32) -> vec2u {
 }
 #endif
 
-// The share of the light's samples that reach the surface.
-@fragment
-fn sampled(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let pixel = vec2u(position.xy);
+// What is known of a pixel before its frame is.
+struct Question {
+    r: Receiver,
+    // Unit normal on the eye's side, and how high the light's centre is over the surface.
+    n: vec3f,
+    height: f32,
+    // How much further up or down a sample may be.
+    reach: f32,
+#if CASTERS
+    lists: Lists,
+#endif
+    // Whether all samples reach the surface, by what was asked so far.
+    lit: bool,
+}
+
+fn question_at(position: vec2f) -> Question {
+    var q: Question;
+    let pixel = vec2u(position);
     let depth = textureLoad(receiver_depth, pixel, 0);
     let normal = textureLoad(receiver_normals, pixel, 0);
     // Depth is reversed: 0 is infinitely far, where nothing is.
-    if depth == 0.0 || normal.w == 0.0 {
-        discard;
-    }
-    var r = receiver_at(position.xy, depth);
-    // The light over the surface's own plane: how high its centre is, and how far a sample may be from there.
-    let n = world_from_view(normal.xyz);
-    let height = dot(n, r.w);
-    let reach = r.k * sqrt(max(1.0 - height * height, 0.0));
-    if height < -reach * 1.00001 {
-        return vec4f(0.0);
-    }
-    let cut = height <= reach * 1.00001 + 1e-6;
+    q.r = receiver_at(position, depth);
+    q.n = world_from_view(normal.xyz);
+    q.height = dot(q.n, q.r.w);
+    q.reach = q.r.k * sqrt(max(1.0 - q.height * q.height, 0.0)) * 1.00001 + 1e-6;
+    q.lit = q.height > q.reach;
 #if CASTERS
-    let lists = lists_of(r);
-    let alone = lists.clusters == 0u && lists.edges.first == lists.edges.end && lists.triangles.first == lists.triangles.end;
-#else
-    let alone = true;
+    q.lists = lists_of(q.r);
+    let listed = q.lists.edges.first < q.lists.edges.end || q.lists.triangles.first < q.lists.triangles.end;
+    q.lit = q.lit && !listed && q.lists.clusters == 0u;
 #endif
-    if !cut && alone {
+    q.lit = q.lit || depth == 0.0 || normal.w == 0.0;
+    return q;
+}
+
+// Marks the pixels whose samples are to be asked one by one, so that adapters skip the others as they skip what is hidden.
+@fragment
+fn mark(@builtin(position) position: vec4f) -> @builtin(frag_depth) f32 {
+    if question_at(position.xy).lit {
         discard;
     }
-    r = with_frame(r, position.xy, depth);
+    return 1.0;
+}
+
+// The share of the light's samples that reach the surface.
+@fragment
+fn sampled(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let q = question_at(position.xy);
+    let r = with_frame(q.r, position.xy, textureLoad(receiver_depth, vec2u(position.xy), 0));
     // Within the light, only the centre counts: a disc without extent.
     let sample_count = select(SAMPLE_COUNT, 1u, r.k == 0.0);
+    let over = vec3f(q.height, dot(q.n, r.u) * r.k, dot(q.n, r.v) * r.k);
     var lit = 0u;
     for (var round = 0u; round < ROUNDS; round += 1u) {
         var bits = select(samples_of(round), vec2u(select(0u, 1u, round == 0u), 0u), r.k == 0.0);
-        if cut {
-            // What lies in the surface's own plane is dark.
-            bits &= ~samples_not_below(-vec3f(height, dot(n, r.u) * r.k, dot(n, r.v) * r.k), round);
-        }
+        // What lies in the surface's own plane is dark.
+        bits &= ~samples_not_below(-over, round);
 #if CASTERS
-        if !alone && (bits.x | bits.y) != 0u {
-            bits &= ~hidden(r, lists, round);
-        }
+        bits &= ~hidden(r, q.lists, round);
 #endif
         lit += countOneBits(bits.x) + countOneBits(bits.y);
-    }
-    if lit == sample_count {
-        discard;
     }
     return vec4f(f32(lit) / f32(sample_count));
 }

@@ -24,7 +24,7 @@ pub(super) const MAX_SLICES: usize = 8;
 const FINEST: usize = 256;
 const FINEST_OF_TRIANGLES: usize = 512;
 /// Words of lists, of edges and of triangles: as many as these, or as many for each edge and triangle; below what every adapter can bind.
-const LEAST_WORDS: usize = 1 << 18;
+const LEAST_WORDS: usize = 1 << 20;
 const WORDS_PER_PRIMITIVE: usize = 64;
 const MOST_WORDS: usize = 1 << 24;
 

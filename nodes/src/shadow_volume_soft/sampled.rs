@@ -1,10 +1,13 @@
 //! Quality `sampled`: every sample of the light is blocked or not, exactly.
 //!
-//! One draw over the picture. Each pixel rebuilds its point, looks up the edges that may cross the light's disc and the
-//! triangles that may hide its centre, and keeps a count for each sample: see shadow_volume_soft.wgsl.
+//! A first draw over the picture marks the pixels that may see a part of the light only. The second rebuilds their points,
+//! looks up the edges that may cross the light's disc and the triangles that may hide its centre, and keeps a count for each
+//! sample: see shadow_volume_soft.wgsl.
 
 use glam::Vec2;
-use shadowgraph_engine::plan::{CompareFunction, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader};
+use shadowgraph_engine::plan::{
+    Access, CompareFunction, DepthTarget, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader, TextureFormat,
+};
 use shadowgraph_engine::shadow::{Channels, LightPlan, ShadowError, light_samples};
 
 use super::ShadowVolumeSoft;
@@ -20,27 +23,46 @@ impl ShadowVolumeSoft {
         let wanted = [("CASTERS", casters > 0), ("CLUSTERS", clusters), ("DEEP", triangles >= 1 << 16)];
         let flags: Vec<&str> = wanted.iter().filter(|(_, wanted)| *wanted).map(|(flag, _)| *flag).collect();
         light.decides_own_shadow();
+        let fullscreen = |name: String, fragment: &'static str, state: DrawState, bindings| Draw {
+            name,
+            shader: Some(shader(self.samples, &flags, fragment)),
+            state,
+            geometry: Geometry::Procedural { vertices: 3, instances: 1 },
+            bindings,
+            scissor_px: None,
+        };
+        let (format, size_px) = (TextureFormat::Depth32Float, light.view.size_px);
+        let reason = "1 where samples are asked one by one: depth, for adapters skip by it";
+        let marks = light.texture(&format!("soft marks of {name}"), format, size_px, 1, reason);
+        let marking = DrawState { depth_write: true, ..DrawState::new(CompareFunction::Always, vec![]) };
+        light.pass(Pass {
+            name: format!("mark what {name} may light partly"),
+            reason: "the rest is lit, and most of the picture".into(),
+            colors: vec![],
+            depth: Some(DepthTarget { slot: marks, depth: Access::Clear(0.0), stencil: None }),
+            draws: vec![fullscreen("every pixel".into(), "mark", marking, bindings.clone())],
+        });
         let target = light.multiply_visibility(Channels::One);
+        // The draw is at depth 0.
+        let asking = DrawState::new(CompareFunction::Less, vec![Some(MULTIPLY)]);
         light.pass(Pass {
             name: format!("soft shadow of {name}"),
-            reason: format!("{} samples of {name} before {casters} casters, at every pixel", self.samples),
+            reason: format!("{} samples of {name} before {casters} casters", self.samples),
             colors: vec![target],
-            depth: None,
-            draws: vec![Draw {
-                name: format!("{edges} edges, {triangles} triangles"),
-                shader: Some(shader(self.samples, &flags)),
-                state: DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]),
-                geometry: Geometry::Procedural { vertices: 3, instances: 1 },
+            depth: Some(DepthTarget { slot: marks, depth: Access::ReadOnly, stencil: None }),
+            draws: vec![fullscreen(
+                format!("{edges} edges, {triangles} triangles"),
+                "sampled",
+                asking,
                 bindings,
-                scissor_px: None,
-            }],
+            )],
         });
         Ok(())
     }
 }
 
 /// The shader for so many samples.
-fn shader(samples: u32, flags: &[&str]) -> Shader {
+fn shader(samples: u32, flags: &[&str], fragment: &'static str) -> Shader {
     let code = samples_as_code(samples);
     let composed =
         shadowgraph_shaders::compose_replacing("shadow_volume_soft", flags, "common/light_samples", &code);
@@ -48,7 +70,7 @@ fn shader(samples: u32, flags: &[&str]) -> Shader {
         name: format!("shadow_volume_soft of {samples} samples {}", flags.join(" ")).into(),
         source: composed.unwrap_or_default().into(),
         vertex: "fullscreen_vertex".into(),
-        fragment: Some("sampled".into()),
+        fragment: Some(fragment.into()),
     }
 }
 
