@@ -131,7 +131,7 @@ fn every_structure_bound_as_data_is_compared() {
         "MaskedCone",
         "MaskedTriangle",
         "Material",
-        "SoftCasters",
+        "SoftHead",
         "Volume",
         "WedgeCasters",
         "WedgeEdge",
