@@ -132,7 +132,6 @@ fn every_structure_bound_as_data_is_compared() {
         "MaskedTriangle",
         "Material",
         "SoftHead",
-        "SoftHead",
         "Volume",
         "WedgeCasters",
         "WedgeEdge",

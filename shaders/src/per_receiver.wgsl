@@ -18,14 +18,13 @@ fn of_disc(a: vec3f, k: f32) -> vec3f {
 }
 
 // The share that the casters of the lists cover. Their triangles are before the light as a whole.
-fn chain_share(cell: u32, r: Receiver, k: f32, disc: DiscView) -> f32 {
-    let over_centre = f32(center_count(cell, r));
+fn chain_share(lists: Lists, r: Receiver, k: f32, disc: DiscView) -> f32 {
+    let over_centre = f32(center_count(lists.triangles, r));
     var share = select(0.0, over_centre, !disc.dips || disc.horizon.z >= 0.0);
     var over_middle = over_centre;
     let chord = chord_of(disc.horizon);
-    let end = soft_lists[2u * cell + 1u];
-    for (var place = soft_lists[2u * cell]; place < end; place += 1u) {
-        let edge = seen_edge(soft_lists[place], r);
+    for (var place = lists.edges.first; place < lists.edges.end; place += 1u) {
+        let edge = seen_edge(list_word(place), r);
         // What is more to its left than to its right.
         let weight = -f32(edge.weight);
         let crosses = edge.heights.x * edge.heights.x < dot(edge.heights.yz, edge.heights.yz);
@@ -34,8 +33,8 @@ fn chain_share(cell: u32, r: Receiver, k: f32, disc: DiscView) -> f32 {
         }
         let line = vec3f(edge.heights.yz, edge.heights.x);
         let left = edge.heights.x >= 0.0;
-        let a = of_disc(edge.a, k);
-        let b = of_disc(edge.b, k);
+        let a = of_disc(vec3f(edge.a, edge.depths.x), k);
+        let b = of_disc(vec3f(edge.b, edge.depths.y), k);
         share += weight * cut_edge_share(disc, a, b, line, left);
         if disc.dips {
             let terms = chord_terms(disc, chord, a, b, line, left);
@@ -49,25 +48,22 @@ fn chain_share(cell: u32, r: Receiver, k: f32, disc: DiscView) -> f32 {
     return share;
 }
 
+#if CLUSTERS
 // The share that one triangle covers, whether before, in or beyond the light.
 fn share_of(number: u32, r: Receiver, k: f32, disc: DiscView) -> f32 {
-    let t = soft_triangles[number];
-    let caster = soft.casters[t.caster];
-    let from_center = r.p - caster.xyz;
-    let side = weight_of(side_of(t.plane, r, from_center, caster.w), t.bits);
+    let t = seen_triangle(number, r);
+    let side = weight_of(t.side, t.bits);
     if side == 0 {
         return 0.0;
     }
-    let a = of_disc(in_frame(r, t.a - from_center), k);
-    let b = of_disc(in_frame(r, t.b - from_center), k);
-    let c = of_disc(in_frame(r, t.c - from_center), k);
-    return f32(select(-side, side, (t.bits & 1u) != 0u)) * triangle_share(disc, a, b, c);
+    let share = triangle_share(disc, of_disc(t.a, k), of_disc(t.b, k), of_disc(t.c, k));
+    return f32(select(-side, side, (t.bits & 1u) != 0u)) * share;
 }
 
-// The share that clusters `first` … `end` − 1 cover, triangle by triangle.
-fn clusters_share(first: u32, end: u32, r: Receiver, k: f32, disc: DiscView) -> f32 {
+// The share that the first `count` clusters cover, triangle by triangle.
+fn clusters_share(count: u32, r: Receiver, k: f32, disc: DiscView) -> f32 {
     var share = 0.0;
-    for (var number = first; number < end; number += 1u) {
+    for (var number = 0u; number < count; number += 1u) {
         let cluster = soft_clusters[number];
         if !may_reach(cluster, r) {
             continue;
@@ -83,17 +79,14 @@ fn clusters_share(first: u32, end: u32, r: Receiver, k: f32, disc: DiscView) -> 
     }
     return share;
 }
+#endif
 
 // The share that all casters cover.
-fn covered(r: Receiver, k: f32, disc: DiscView) -> f32 {
-    if !has_lists(r) {
-        return clusters_share(0u, soft.cluster_count, r, k, disc);
-    }
-    var share = clusters_share(0u, soft.near_clusters, r, k, disc);
-    let cell = cell_of(r);
-    if cell != NO_CELL {
-        share += chain_share(cell, r, k, disc);
-    }
+fn covered(lists: Lists, r: Receiver, k: f32, disc: DiscView) -> f32 {
+    var share = chain_share(lists, r, k, disc);
+#if CLUSTERS
+    share += clusters_share(lists.clusters, r, k, disc);
+#endif
     return share;
 }
 #endif
@@ -108,27 +101,43 @@ fn per_receiver(@builtin(position) position: vec4f) -> @location(0) vec4f {
     if depth == 0.0 || normal.w == 0.0 {
         discard;
     }
-    let r = receiver_at(position.xy, depth, normal.xyz);
+    var r = receiver_at(position.xy, depth);
+    let n = world_from_view(normal.xyz);
+    // The light over the surface's own plane: how high its centre is, and how far it reaches from there.
+    let height = dot(n, r.w);
+    let reach = r.k * sqrt(max(1.0 - height * height, 0.0));
+    if height < -reach * 1.00001 {
+        return vec4f(0.0);
+    }
+#if CASTERS
+    let lists = lists_of(r);
+    let alone = lists.clusters == 0u && lists.edges.first == lists.edges.end && lists.triangles.first == lists.triangles.end;
+#else
+    let alone = true;
+#endif
+    if alone && height > reach * 1.00001 {
+        discard;
+    }
+    r = with_frame(r, position.xy, depth);
     let k = select(clamp(r.k, 1e-12, LARGEST_DISC), 1.0, r.k == 0.0);
     var disc: DiscView;
-    disc.horizon = vec3f(r.normal.xy * k, r.normal.z);
+    disc.horizon = vec3f(dot(n, r.u) * k, dot(n, r.v) * k, height);
     disc.far = select(1e20, r.light_distance, soft.light.w > 0.0);
     let steep = length(disc.horizon.xy);
     disc.dips = r.k > 0.0 && disc.horizon.z < steep;
-    let n = r.u * r.normal.x + r.v * r.normal.y + r.w * r.normal.z;
     var seen = select(0.0, 1.0, disc.horizon.z > 0.0);
     if r.k > 0.0 && steep > 0.0 {
         seen = share_above(disc.horizon.z / steep);
     }
 #if CASTERS
-    if seen > 0.0 {
+    if seen > 0.0 && !alone {
         // What lies in the receiver's plane is in nobody's way, and rounding is not to lift it. Where the centre itself is
         // about in that plane, it is taken to be below the horizon: its side of what lies there is not sure.
         disc.margin = abs(dot(n, r.step)) / 8.0 + ROUNDING * r.distance;
         let unsure = clamp(disc.margin / (NEAREST * r.light_distance), 1e-6 * steep, 0.02 * steep);
         disc.lift = select(0.0, disc.horizon.z + unsure, disc.dips && abs(disc.horizon.z) < unsure);
         disc.horizon.z -= disc.lift;
-        seen -= covered(r, k, disc);
+        seen -= covered(lists, r, k, disc);
     }
 #endif
     if seen >= 1.0 {

@@ -147,7 +147,7 @@ fn counted() -> vec2u {
 fn add_edges(list: CellList, r: Receiver, round: u32) {
     var place = list.first;
     loop {
-        var edge = SeenEdge(vec2f(0.0), vec2f(0.0), vec3f(0.0), 0);
+        var edge = SeenEdge(vec2f(0.0), vec2f(0.0), vec2f(0.0), vec3f(0.0), 0);
         while place < list.end && edge.weight == 0 {
             edge = seen_edge(list_word(place), r);
             place += 1u;

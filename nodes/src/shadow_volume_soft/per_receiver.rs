@@ -26,7 +26,7 @@ use super::gather::Gathered;
 
 impl ShadowVolumeSoft {
     pub(super) fn plan_per_receiver(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        let Gathered { bindings, casters, edges, triangles, .. } = self.gather(light)?;
+        let Gathered { bindings, clusters, casters, edges, triangles } = self.gather(light)?;
         if light.view.receiver_bounds.is_empty() {
             return Ok(());
         }
@@ -40,7 +40,7 @@ impl ShadowVolumeSoft {
             depth: None,
             draws: vec![Draw {
                 name: format!("{edges} edges, {triangles} triangles"),
-                shader: Some(shader(triangles > 0)),
+                shader: Some(shader(casters > 0, clusters)),
                 state: DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]),
                 geometry: Geometry::Procedural { vertices: 3, instances: 1 },
                 bindings,
@@ -51,13 +51,14 @@ impl ShadowVolumeSoft {
     }
 }
 
-/// The shader, with casters if there are any; its text is checked by a test, so composing it cannot fail.
-fn shader(has_casters: bool) -> Shader {
-    let (name, flags): (_, &[&str]) =
-        if has_casters { ("per_receiver CASTERS", &["CASTERS"]) } else { ("per_receiver", &[]) };
-    let source = shadowgraph_shaders::compose_named("per_receiver", flags).unwrap_or_default();
+/// The shader, with casters and with clusters of them if there are any; its text is checked by a test, so composing it
+/// cannot fail.
+fn shader(casters: bool, clusters: bool) -> Shader {
+    let wanted = [("CASTERS", casters), ("CLUSTERS", clusters)];
+    let flags: Vec<&str> = wanted.iter().filter(|(_, wanted)| *wanted).map(|(flag, _)| *flag).collect();
+    let source = shadowgraph_shaders::compose_named("per_receiver", &flags).unwrap_or_default();
     Shader {
-        name: name.into(),
+        name: format!("per_receiver {}", flags.join(" ")).into(),
         source: source.into(),
         vertex: "fullscreen_vertex".into(),
         fragment: Some("per_receiver".into()),
