@@ -202,7 +202,11 @@ impl CasterChain {
             let face = if *sign == 0 || orient == 0 { None } else { face(corners, center, orient, light) };
             if let Some(face) = &face {
                 let record = triangle_record(corners, center, face, light, half);
-                let hides_center = half == Half::Both || face.light_side >= 0;
+                let hides_center = match half {
+                    Half::Both => true,
+                    Half::Lit => face.light_side >= 0,
+                    Half::Unlit => face.light_side <= 0,
+                };
                 chain.triangles.push(ChainTriangle { record, corners, near: face.near, hides_center });
             }
             faces.push(face.filter(|face| !face.near));
