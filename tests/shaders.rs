@@ -36,7 +36,11 @@ const USED: &[(&str, &[&str], &[&str])] = &[
         ],
     ),
     ("pack_words", &[], &["fullscreen_vertex", "pack"]),
-    ("shadow_volume_soft", &["CASTERS", "CLUSTERS", "DEEP"], &["fullscreen_vertex", "mark", "sampled"]),
+    (
+        "shadow_volume_soft",
+        &["CASTERS", "CLUSTERS", "DEEP", "LONG_LISTS"],
+        &["fullscreen_vertex", "mark", "sampled"],
+    ),
     ("surface_depth", &[], &["vertex"]),
     ("surface_factor", &["COUNTS", "VISIBILITY", "MASKED", "OWN_SHADOW"], &["vertex", "factor"]),
     (

@@ -142,12 +142,39 @@ fn counted() -> vec2u {
     return counted;
 }
 
-// Counts what the listed edges change between the centre and each sample. Pixels that are drawn together look for the next
-// edge that matters each by itself, and count it together.
+// Counts what an edge changes between the centre and each sample.
+fn add_edge(edge: SeenEdge, round: u32) {
+    let flip = select(0xffffffffu, 0u, center_is_left(edge.a, edge.b));
+    let crossed = samples_crossed(edge.heights, edge.a, edge.b, flip, round);
+    let size = abs(edge.weight);
+    let subtracts = select(flip, ~flip, edge.weight < 0);
+    let nothing = vec2u(0u);
+    add(select(nothing, crossed, size == 1), select(nothing, crossed, size == 2), vec2u(subtracts));
+}
+
+// The edge at a place of a list that ends at `end`.
+fn listed_edge(place: u32, end: u32, r: Receiver) -> SeenEdge {
+    var edge = seen_edge(list_word(min(place, end - 1u)), r);
+    edge.weight = select(0, edge.weight, place < end);
+    return edge;
+}
+
+// Counts what the listed edges change.
 fn add_edges(list: CellList, r: Receiver, round: u32) {
     var place = list.first;
+#if LONG_LISTS
+    // Drivers may bound how often a shader goes round: to 65 535 times, Mesa's software one.
+    while place < list.end {
+        add_edge(listed_edge(place, list.end, r), round);
+        add_edge(listed_edge(place + 1u, list.end, r), round);
+        add_edge(listed_edge(place + 2u, list.end, r), round);
+        add_edge(listed_edge(place + 3u, list.end, r), round);
+        place += 4u;
+    }
+#else
+    // Pixels that are drawn together look for the next edge that matters each by itself, and count it together.
     loop {
-        var edge = SeenEdge(vec2f(0.0), vec2f(0.0), vec2f(0.0), vec3f(0.0), 0);
+        var edge = no_edge();
         while place < list.end && edge.weight == 0 {
             edge = seen_edge(list_word(place), r);
             place += 1u;
@@ -155,13 +182,9 @@ fn add_edges(list: CellList, r: Receiver, round: u32) {
         if edge.weight == 0 {
             break;
         }
-        let flip = select(0xffffffffu, 0u, edge.heights.x >= 0.0);
-        let crossed = samples_crossed(edge.heights, edge.a, edge.b, flip, round);
-        let once = abs(edge.weight) == 1;
-        let subtracts = select(flip, ~flip, edge.weight < 0);
-        let nothing = vec2u(0u);
-        add(select(nothing, crossed, once), select(crossed, nothing, once), vec2u(subtracts));
+        add_edge(edge, round);
     }
+#endif
 }
 
 #if CLUSTERS

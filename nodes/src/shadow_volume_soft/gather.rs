@@ -83,6 +83,8 @@ pub(super) struct Gathered {
     pub(super) casters: usize,
     /// How many edges can be silhouettes.
     pub(super) edges: usize,
+    /// How many of them one receiver may have to ask.
+    pub(super) longest_list: usize,
     /// How many triangles cast.
     pub(super) triangles: usize,
 }
@@ -97,6 +99,7 @@ struct Chains {
     cluster_count: usize,
     edge_count: usize,
     triangle_count: usize,
+    longest_list: usize,
     grid: SoftGrid,
     centers: Vec<DVec3>,
 }
@@ -294,6 +297,7 @@ impl ShadowVolumeSoft {
             }
             gathered.casters = chains.centers.len();
             gathered.edges = chains.edge_count;
+            gathered.longest_list = chains.longest_list;
             gathered.triangles = chains.triangle_count;
         }
         bindings.push((6, Binding::Texture(light.receiver_depth())));
@@ -438,7 +442,7 @@ impl Chains {
             .zip(&far.2)
             .filter_map(|(number, corners)| Some((number, (*corners)?)))
             .collect();
-        let (grid, lists) = grid.lists(&ends, &listed);
+        let (grid, lists, longest_list) = grid.lists(&ends, &listed);
         let shifted = far.0.iter().map(|cluster| SoftCluster {
             first: cluster.first + near_count as u32,
             end: cluster.end + near_count as u32,
@@ -461,6 +465,7 @@ impl Chains {
             cluster_count: all_clusters.len(),
             edge_count,
             triangle_count,
+            longest_list,
             grid,
             centers,
         }

@@ -214,7 +214,7 @@ impl SoftGrid {
 
     /// The grid with the smallest cells that the memory for lists allows, and the lists over it: for each list of
     /// edges where it begins, and where the last one ends; the same for triangles; then the lists of numbers:
-    /// edges in their order, triangles by those given.
+    /// edges in their order, triangles by those given. At last how many edges the longest list has.
     pub(super) fn lists(mut self, edges: &[[DVec3; 2]], triangles: &[(u32, [DVec3; 3])]) -> (Self, Vec<u32>) {
         let budget = |primitives: usize| (primitives * WORDS_PER_PRIMITIVE).clamp(LEAST_WORDS, MOST_WORDS);
         let mut edge_counts = self.edge_counts(edges);
@@ -262,7 +262,8 @@ impl SoftGrid {
         for (number, corners) in triangles {
             self.triangle_cells(*corners, &mut |cell| put(edge_counts.len() + 1 + cell, *number));
         }
-        (self, words)
+        let longest = edge_counts.iter().max().copied().unwrap_or_default() as usize;
+        (self, words, longest)
     }
 
     fn edge_counts(&self, edges: &[[DVec3; 2]]) -> Vec<u32> {

@@ -13,14 +13,22 @@ use shadowgraph_engine::shadow::{Channels, LightPlan, ShadowError, light_samples
 use super::ShadowVolumeSoft;
 use super::gather::Gathered;
 
+/// In longer lists each edge is counted for itself, so that fewer rounds are gone.
+const LONGEST_SEARCHED: usize = 1 << 13;
+
 impl ShadowVolumeSoft {
     pub(super) fn plan_sampled(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        let Gathered { bindings, clusters, casters, edges, triangles } = self.gather(light)?;
+        let Gathered { bindings, clusters, casters, edges, longest_list, triangles } = self.gather(light)?;
         if light.view.receiver_bounds.is_empty() {
             return Ok(());
         }
         let name = light.light().name.clone();
-        let wanted = [("CASTERS", casters > 0), ("CLUSTERS", clusters), ("DEEP", triangles >= 1 << 16)];
+        let wanted = [
+            ("CASTERS", casters > 0),
+            ("CLUSTERS", clusters),
+            ("DEEP", triangles >= 1 << 16),
+            ("LONG_LISTS", longest_list > LONGEST_SEARCHED),
+        ];
         let flags: Vec<&str> = wanted.iter().filter(|(_, wanted)| *wanted).map(|(flag, _)| *flag).collect();
         light.decides_own_shadow();
         let fullscreen = |name: String, fragment: &'static str, state: DrawState, bindings| Draw {

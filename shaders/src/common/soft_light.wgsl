@@ -258,11 +258,24 @@ fn edge_heights(a: vec3f, d: vec3f) -> vec3f {
     );
 }
 
-// How often an edge from a to b (in the frame) crosses the half axis +u upwards, as the receiver sees it along w.
-fn axis_crossing(a: vec3f, b: vec3f, at_center: f32) -> i32 {
+// A point of the frame as seen across the light's centre. None is seen on the axes or in the centre, but next to them, as if the
+// centre were a little to the side: so edges that pass through it exactly, or along an axis, all agree on which side it is.
+fn across(a: vec3f) -> vec2f {
+    return select(a.xy, vec2f(1e-30, 1e-20), a.xy == vec2f(0.0));
+}
+
+// Whether the light's centre is on the left of an edge from a to b. Decided by the very numbers that say on which side of the
+// axes a and b lie: only so do counts at the centre and from there on agree where the edge passes it within rounding.
+fn center_is_left(a: vec2f, b: vec2f) -> bool {
+    return fma(a.x, b.y, -(a.y * b.x)) >= 0.0;
+}
+
+// How often an edge from a to b (across the centre) crosses the half axis +u upwards, as the receiver sees it along w.
+fn axis_crossing(a: vec2f, b: vec2f) -> i32 {
+    let left = center_is_left(a, b);
     let upward = a.y < 0.0 && b.y >= 0.0;
     let downward = a.y >= 0.0 && b.y < 0.0;
-    return select(0, 1, upward && at_center >= 0.0) - select(0, 1, downward && at_center < 0.0);
+    return select(0, 1, upward && left) - select(0, 1, downward && !left);
 }
 
 // A triangle in the receiver's frame.
@@ -308,7 +321,8 @@ fn seen_triangle(number: u32, r: Receiver) -> SeenTriangle {
 fn hides_center(number: u32, r: Receiver) -> i32 {
     let t = seen_triangle(number, r);
     let opposite = (t.side < 0 && (t.bits & 8u) != 0u) || (t.side > 0 && (t.bits & 16u) != 0u);
-    let turns = axis_crossing(t.a, t.b, t.ab.x) + axis_crossing(t.b, t.c, t.bc.x) - axis_crossing(t.a, t.c, t.ac.x);
+    let turns = axis_crossing(across(t.a), across(t.b)) + axis_crossing(across(t.b), across(t.c))
+        - axis_crossing(across(t.a), across(t.c));
     let weight = select(0, weight_of(t.side, t.bits), opposite);
     return select(-weight, weight, (t.bits & 1u) != 0u) * turns;
 }
@@ -336,6 +350,10 @@ struct SeenEdge {
     weight: i32,
 }
 
+fn no_edge() -> SeenEdge {
+    return SeenEdge(vec2f(0.0), vec2f(0.0), vec2f(0.0), vec3f(0.0), 0);
+}
+
 fn seen_edge(number: u32, r: Receiver) -> SeenEdge {
     let first = packed(soft_edges, number * 4u);
     let second = packed(soft_edges, number * 4u + 1u);
@@ -353,7 +371,7 @@ fn seen_edge(number: u32, r: Receiver) -> SeenEdge {
     let b = in_frame(r, b_in_world - from_center);
     let along = edge_heights(a, in_frame(r, b_in_world - a_in_world));
     let heights = vec3f(along.x, along.yz * r.k);
-    return SeenEdge(a.xy, b.xy, vec2f(a.z, b.z), heights, select(0, weight, crosses_disc(heights)));
+    return SeenEdge(across(a), across(b), vec2f(a.z, b.z), heights, select(0, weight, crosses_disc(heights)));
 }
 
 // Whether the line of these heights crosses the unit disc, or may.
