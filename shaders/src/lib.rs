@@ -38,6 +38,7 @@ modules![
     "common/positions",
     "common/soft_light",
     "common/surface",
+    "common/transmission",
     "darken_picture",
     "masked_volume",
     "nothing",
