@@ -15,7 +15,7 @@ use shadowgraph_engine::scene::{
 /// Everything casts, glass in its colours.
 fn query(posed: &Posed) -> LightQuery {
     let all: Vec<usize> = (0..posed.instances.len()).collect();
-    LightQuery { light: 0, casters: all.clone(), transparent: all }
+    LightQuery { casters: all.clone(), transparent: all, ..LightQuery::default() }
 }
 
 fn render(posed: &Posed, camera: &PosedCamera, size_px: [u32; 2]) -> ReferenceImage {
