@@ -32,6 +32,7 @@ modules![
     "common/disc_coverage",
     "common/frame",
     "common/fullscreen",
+    "common/light_lists",
     "common/light_samples",
     "common/lights",
     "common/material",
@@ -39,6 +40,7 @@ modules![
     "common/soft_light",
     "common/surface",
     "common/transmission",
+    "common/volume",
     "darken_picture",
     "masked_volume",
     "nothing",
@@ -54,6 +56,8 @@ modules![
     "surface_factor",
     "surface_measure",
     "surface_shade",
+    "transparent_panes",
+    "transparent_shadow",
 ];
 
 /// What a material's own surface function can see: `common/surface`.
