@@ -127,18 +127,26 @@ fn scene(casters: &[MeshData], glass: bool, node: Option<ShadowNode>) -> Result<
 
 fn table(name: &str, casters: &[MeshData], theirs: f64, rows: &[Row]) -> Result<(), Box<dyn Error>> {
     let mut runners = Vec::new();
-    for (_, glass, node) in rows {
+    let mut timed = Vec::new();
+    for (row, glass, node) in rows {
         let scene = scene(casters, *glass, node.clone())?;
         let camera = scene.pose()?.cameras.first().ok_or("a scene has no camera")?.clone();
-        let renderer = common::renderer(shadowgraph_nodes::catalog())?;
-        runners.push(Runner { renderer, scene, request: FrameRequest::new(camera, SIZE_PX) });
+        let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
+        let request = FrameRequest::new(camera, SIZE_PX);
+        // A refusal is an answer.
+        if let Err(refusal) = renderer.plan(&scene, &request) {
+            println!("{row}: {refusal}");
+            continue;
+        }
+        timed.push(*row);
+        runners.push(Runner { renderer, scene, request });
     }
     let times_ms = take_turns(&mut runners, &PACE)?;
     let triangles: usize = casters.iter().map(|data| data.indices.len() / 3).sum();
     let adapter = runners[0].renderer.gpu().name();
     println!("{name}, {triangles} triangles ({adapter}, {} rounds)", times_ms[0].len());
     println!("  {:<26} {:>9} {:>9} {:>10} {:>10}", "", "median ms", "least ms", "of opaque", "bytes");
-    for (index, ((row, ..), runner)) in rows.iter().zip(&mut runners).enumerate() {
+    for (index, (row, runner)) in timed.iter().zip(&mut runners).enumerate() {
         let spread = Spread::of(times_ms[index].clone());
         let mut ratios: Vec<f64> =
             times_ms[index].iter().zip(&times_ms[1]).map(|(own, opaque)| own / opaque).collect();
