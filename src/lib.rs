@@ -48,7 +48,8 @@ pub mod prelude {
         Scene, Scope, ShadowNode, Skin, SurfaceFunction, Track, Transform,
     };
     pub use shadowgraph_nodes::{
-        self, Apply, Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, PlanarMode, Quality,
-        ShadowVolumeHard, ShadowVolumeSoft, SoftShadow, Terminator,
+        self, Accumulate, Apply, Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes,
+        PlanarMode, Quality, SelfShadow, ShadowVolumeHard, ShadowVolumeSoft, SoftShadow, Terminator,
+        TransparentShadow,
     };
 }

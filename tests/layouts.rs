@@ -80,16 +80,27 @@ fn tint() {
 
 #[test]
 fn volume() {
-    assert_same("shadow_volume_hard", "Volume", VolumeUniform::layout());
+    assert_same("common/volume", "Volume", VolumeUniform::layout());
 }
 
 #[test]
 fn masked_volumes() {
     for (structure, rust) in shadowgraph_nodes::common::masked::layouts() {
-        let rust = owned(rust);
-        let (wgsl, stride) = wgsl_layout(&parse("masked_volume", &[]), structure);
-        assert_eq!(rust, wgsl, "{structure}: Rust left, masked_volume.wgsl right");
-        assert_eq!(rust.1, stride, "{structure} in an array");
+        assert_same("masked_volume", structure, rust);
+    }
+}
+
+#[test]
+fn light_lists() {
+    for (structure, rust) in shadowgraph_nodes::common::listed::layouts() {
+        assert_same("common/light_lists", structure, rust);
+    }
+}
+
+#[test]
+fn transparent_shadows() {
+    for (module, structure, rust) in shadowgraph_nodes::transparent_layouts() {
+        assert_same(module, structure, rust);
     }
 }
 
@@ -121,16 +132,20 @@ fn penumbra_wedges() {
 #[test]
 fn every_structure_bound_as_data_is_compared() {
     let compared = [
-        "MaskedCorner",
-        "PlanarLight",
-        "PlanarTexture",
+        "Class",
         "Frame",
         "Instance",
         "Light",
-        "MaskedCasters",
-        "MaskedCone",
+        "ListView",
+        "ListedCone",
+        "MaskedCaster",
+        "MaskedCorner",
         "MaskedTriangle",
         "Material",
+        "PaneCaster",
+        "PaneTriangle",
+        "PlanarLight",
+        "PlanarTexture",
         "SoftHead",
         "Volume",
         "WedgeCasters",

@@ -37,7 +37,7 @@ fn assert_names(error: &ShadowError, names: &[&str]) {
 fn an_unknown_technique_lists_the_known() {
     let error = refusal(ShadowNode::new("ShadowVolumeHarder"));
     assert!(matches!(&error, ShadowError::UnknownTechnique { .. }));
-    assert_names(&error, &["'shadows'", "'ShadowVolumeHarder'", "known: ", "ShadowVolumeHard)"]);
+    assert_names(&error, &["'shadows'", "'ShadowVolumeHarder'", "known: ", "ShadowVolumeHard"]);
     // Scenes use type names; the short ones are the command line's.
     assert!(matches!(refusal(ShadowNode::new("hard")), ShadowError::UnknownTechnique { .. }));
 }

@@ -49,6 +49,28 @@ const USED: &[(&str, &[&str], &[&str])] = &[
         &["vertex", "visible_triangle", "receiver_normal if NORMALS", "triangle_and_normal if NORMALS"],
     ),
     ("surface_shade", SHADE_FLAGS, &["vertex", "opaque", "blended", "masked_depth"]),
+    ("transparent_panes", &["BASE_COLOR_TEXTURE"], &["fullscreen_vertex", "tint"]),
+    (
+        "transparent_shadow",
+        &["MANY_CLASSES"],
+        &[
+            "vertex",
+            "class_vertex",
+            "fullscreen_vertex",
+            "add",
+            "add_front",
+            "add_back",
+            "multiply",
+            "multiply_front",
+            "multiply_back",
+            "divide",
+            "divide_front",
+            "divide_back",
+            "transmit_counts",
+            "transmit_logarithms",
+            "transmit_product",
+        ],
+    ),
 ];
 
 const SHADE_FLAGS: &[&str] = &[

@@ -6,6 +6,7 @@ pub mod common;
 mod shadow_volume_hard;
 mod shadow_volume_soft;
 mod soft_shadow;
+mod transparent_shadow;
 
 use shadowgraph_engine::shadow::Catalog;
 
@@ -18,6 +19,7 @@ pub use soft_shadow::{
     Flat, MAX_RESOLUTION, MAX_SAMPLES, MaskedCorner, NotPlanar, PlanarLight, PlanarMode, PlanarTexture,
     SoftShadow, planar_layouts,
 };
+pub use transparent_shadow::{Accumulate, SelfShadow, TransparentShadow, layouts as transparent_layouts};
 
 /// A catalog with every technique of this crate.
 pub fn catalog() -> Catalog {
@@ -25,5 +27,6 @@ pub fn catalog() -> Catalog {
     catalog.register(ShadowVolumeHard::ENTRY);
     catalog.register(ShadowVolumeSoft::ENTRY);
     catalog.register(SoftShadow::ENTRY);
+    catalog.register(TransparentShadow::ENTRY);
     catalog
 }

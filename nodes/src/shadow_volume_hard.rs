@@ -42,7 +42,8 @@ use crate::common::extrusion::{End, end_plane, scaled_end};
 use crate::common::layer_groups::{Caster, MAX_COUNT, group_by_layers};
 use crate::common::masked;
 use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
-use draws::{Counter, fold_pass, upload, volume_draws};
+use crate::common::volume_draws::{Volume, upload};
+use draws::{Counter, counting_draws, fold_pass};
 pub(crate) use float_counts::Layers;
 use float_counts::count_in_float;
 use options::TYPE_NAME;
@@ -143,7 +144,7 @@ fn count_in_stencil(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) {
             .iter()
             .enumerate()
             .flat_map(|(place, member)| {
-                volume_draws(&volumes[member.caster], first_record + place as u32, &buffers, counter)
+                counting_draws(&volumes[member.caster], first_record + place as u32, &buffers, counter)
             })
             .collect();
         first_record += group.len() as u32;
@@ -166,37 +167,6 @@ fn volumes_pass(
         colors,
         depth: Some(depth),
         draws,
-    }
-}
-
-/// One caster's volume, with everything the view decides about it.
-struct Volume<'a> {
-    caster: Caster<'a>,
-    z_fail: bool,
-    /// Whether front caps may lie before what is seen. Where all of a caster is in the depth buffer none does, and z-pass
-    /// goes without them; but of a single-sided surface only one side is.
-    hidden_caps_count: bool,
-    end: End,
-    clamp_depth: bool,
-    directional: bool,
-    half: Half,
-}
-
-impl Volume<'_> {
-    /// The caster's name and what was chosen for it.
-    fn name(&self) -> String {
-        let mode = match self.half {
-            Half::Both => "open",
-            Half::Lit => "closed",
-            Half::Unlit => "closed from its far side",
-        };
-        let depth_test = if self.z_fail { "z-fail" } else { "z-pass" };
-        let end = match self.end {
-            End::Infinite => "to infinity",
-            End::Plane(_) => "to a plane",
-            End::Scaled(_) => "beyond the view",
-        };
-        format!("{} {mode} {depth_test} {end}", self.caster.instance.name)
     }
 }
 
@@ -255,6 +225,7 @@ impl ShadowVolumeHard {
             let single_sided = instance.materials.iter().any(|material| !material.double_sided);
             volumes.push(Volume {
                 hidden_caps_count: single_sided && !hides_itself,
+                falls_on_itself: false,
                 caster: Caster { index, instance, shape, key, facing },
                 z_fail,
                 end: self.end(light, instance)?,

@@ -32,12 +32,15 @@ modules![
     "common/disc_coverage",
     "common/frame",
     "common/fullscreen",
+    "common/light_lists",
     "common/light_samples",
     "common/lights",
     "common/material",
     "common/positions",
     "common/soft_light",
     "common/surface",
+    "common/transmission",
+    "common/volume",
     "darken_picture",
     "masked_volume",
     "nothing",
@@ -53,6 +56,8 @@ modules![
     "surface_factor",
     "surface_measure",
     "surface_shade",
+    "transparent_panes",
+    "transparent_shadow",
 ];
 
 /// What a material's own surface function can see: `common/surface`.

@@ -32,7 +32,7 @@ fn chain_share(lists: Lists, r: Receiver, k: f32, disc: DiscView) -> f32 {
             continue;
         }
         let line = vec3f(edge.heights.yz, edge.heights.x);
-        let left = edge.heights.x >= 0.0;
+        let left = center_is_left(edge.a, edge.b);
         let a = of_disc(vec3f(edge.a, edge.depths.x), k);
         let b = of_disc(vec3f(edge.b, edge.depths.y), k);
         share += weight * cut_edge_share(disc, a, b, line, left);

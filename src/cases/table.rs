@@ -15,7 +15,6 @@ pub(super) const GLASS: &[(&str, Answer)] = {
         ("SoftShadow", LEFT),
         ("ShadowMap", LEFT),
         ("SilhouetteMap", LEFT),
-        ("Reference", LEFT),
     ]
 };
 

@@ -61,7 +61,8 @@ pub fn queries(registry: &Registry) -> Vec<LightQuery> {
 pub fn queries_with(registry: &Registry, converged: u32) -> Vec<LightQuery> {
     let served = registry.lights.iter().enumerate().filter(|(_, claims)| !claims.is_empty());
     let query = |(light, claims): (usize, &Vec<Claim>)| {
-        let mut query = LightQuery { light, ..LightQuery::default() };
+        let transparent = registry.transparent_casters_of(light);
+        let mut query = LightQuery { light, transparent, ..LightQuery::default() };
         for Claim { technique, casters, .. } in claims {
             let size = technique.light_size();
             if size == LightSize::NONE {

@@ -3,6 +3,7 @@
 //! There is a hole where base colour alpha × vertex colour alpha × texture alpha is below the cutoff. The texture is
 //! read at full size with its own filter and wrapping, and the product compared as an f32, which is what cutoffs are.
 
+use std::ops::{Add, Mul, Sub};
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
@@ -28,25 +29,13 @@ impl Mask {
         let cutoff = material.cutoff()?;
         let vertices = instance.mesh.triangle(triangle);
         let worn = material.base_color_texture;
-        let uvs = match worn.map(|texture| texture.tex_coord) {
-            Some(TexCoord::Second) => &instance.mesh.data().second_uvs,
-            _ => &instance.mesh.data().uvs,
-        };
-        let transform = worn.map(|texture| texture.transform).unwrap_or_default();
-        let uv = |vertex: u32| {
-            let scaled =
-                uvs.get(vertex as usize).copied().unwrap_or_default().as_dvec2() * transform.scale.as_dvec2();
-            let (sin, cos) = f64::from(transform.rotation_rad).sin_cos();
-            DVec2::new(cos * scaled.x + sin * scaled.y, cos * scaled.y - sin * scaled.x)
-                + transform.offset.as_dvec2()
-        };
         let image = worn.and_then(|texture| Some((Arc::clone(posed.images.get(&texture.image)?), texture)));
         Some(Box::new(Self {
             cutoff,
             alpha: f64::from(material.base_color.w),
             corner_alphas: vertices.map(|vertex| f64::from(instance.mesh.color8(vertex)[3]) / 255.0),
             texture: image,
-            corner_uvs: vertices.map(uv),
+            corner_uvs: corner_uvs(instance, worn, triangle),
         }))
     }
 
@@ -63,8 +52,24 @@ impl Mask {
     }
 }
 
+/// Where on `texture` the corners of `triangle` lie, as its transform leaves them.
+pub(super) fn corner_uvs(instance: &Instance, texture: Option<TextureRef>, triangle: usize) -> [DVec2; 3] {
+    let uvs = match texture.map(|texture| texture.tex_coord) {
+        Some(TexCoord::Second) => &instance.mesh.data().second_uvs,
+        _ => &instance.mesh.data().uvs,
+    };
+    let transform = texture.map(|texture| texture.transform).unwrap_or_default();
+    instance.mesh.triangle(triangle).map(|vertex| {
+        let scaled =
+            uvs.get(vertex as usize).copied().unwrap_or_default().as_dvec2() * transform.scale.as_dvec2();
+        let (sin, cos) = f64::from(transform.rotation_rad).sin_cos();
+        DVec2::new(cos * scaled.x + sin * scaled.y, cos * scaled.y - sin * scaled.x)
+            + transform.offset.as_dvec2()
+    })
+}
+
 /// How much each corner weighs at `point` of the triangle's plane.
-fn weights(corners: &[DVec3; 3], point: DVec3) -> DVec3 {
+pub(super) fn weights(corners: &[DVec3; 3], point: DVec3) -> DVec3 {
     let [a, b, c] = corners.map(|corner| corner - point);
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     let areas = DVec3::new(normal.dot(b.cross(c)), normal.dot(c.cross(a)), normal.dot(a.cross(b)));
@@ -73,11 +78,25 @@ fn weights(corners: &[DVec3; 3], point: DVec3) -> DVec3 {
 
 /// The alpha of `image` at `uv`.
 fn texture_alpha(image: &Image, texture: &TextureRef, uv: DVec2) -> f64 {
+    texture_value(image, texture, uv, |texel| f64::from(texel[3]) / 255.0)
+}
+
+/// What `value` makes of the texels of `image` at `uv`, blended if they blend.
+pub(super) fn texture_value<T>(
+    image: &Image,
+    texture: &TextureRef,
+    uv: DVec2,
+    value: impl Fn([u8; 4]) -> T,
+) -> T
+where
+    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>,
+{
     let size = [image.width, image.height].map(i64::from);
     let texel = |x: i64, y: i64| {
         let (x, y) = (wrapped(x, size[0], texture.wrap[0]), wrapped(y, size[1], texture.wrap[1]));
-        let place = (y * size[0] + x) * 4 + 3;
-        image.rgba8.get(place as usize).map_or(1.0, |byte| f64::from(*byte) / 255.0)
+        let first = ((y * size[0] + x) * 4) as usize;
+        let bytes = image.rgba8.get(first..first + 4).and_then(|bytes| bytes.try_into().ok());
+        value(bytes.unwrap_or([255; 4]))
     };
     let place = uv * DVec2::new(size[0] as f64, size[1] as f64);
     if !texture.smooth {

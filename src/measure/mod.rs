@@ -15,6 +15,7 @@ mod disc;
 mod distance;
 mod error_table;
 mod evaluate;
+mod glass;
 mod holes;
 pub mod json;
 mod metrics;

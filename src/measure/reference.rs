@@ -2,7 +2,8 @@
 //!
 //! The geometry is that of the posed scene, f32 positions under f64 transforms, and every decision is made in f64
 //! ([`super::surface`]); the tree of boxes only proposes triangles. Opaque and masked surfaces are seen, receive and
-//! cast; blended and transmissive ones do neither; unlit ones are seen, lit by definition and cast nothing.
+//! cast; transparent ones are looked through, and what light passes them takes their colour on ([`super::glass`]); unlit
+//! ones are seen, lit by definition and cast nothing.
 //!
 //! **Factor.** 0 when light and eye are strictly on opposite sides of the receiving triangle. Otherwise 0 exactly if
 //! some other triangle stands strictly between the point and the light; what lies in the point's own plane, or has the
@@ -13,6 +14,7 @@ use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::scene::{Posed, PosedLight};
 
 use super::bvh::{Bvh, Open};
+use super::glass::Panes;
 use super::surface::Triangle;
 
 /// What a ray sees.
@@ -26,7 +28,7 @@ pub struct Hit {
 
 /// Which instances cast for a light.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct CasterSet(Vec<bool>);
+pub struct CasterSet(pub(super) Vec<bool>);
 
 impl CasterSet {
     /// Whether the instance of this index casts.
@@ -46,6 +48,8 @@ pub struct Reference {
     pub(super) lights: Vec<PosedLight>,
     /// The largest coordinate of any surface, in metres.
     pub(super) coordinate_m: f64,
+    /// The transparent surfaces, where there are any.
+    pub(super) panes: Option<Panes>,
 }
 
 impl Reference {
@@ -61,9 +65,11 @@ impl Reference {
         for (place, triangle) in triangles.iter().enumerate() {
             places[triangle.instance as usize][triangle.triangle as usize] = place as u32;
         }
+        let panes = Panes::of_scene(posed);
+        let bounds = panes.as_ref().map_or(bounds, |panes| bounds.union(&panes.bounds));
         let coordinate_m =
             if bounds.is_empty() { 0.0 } else { bounds.min.abs().max(bounds.max.abs()).max_element() };
-        Self { triangles, bvh, places, lights: posed.lights.clone(), coordinate_m }
+        Self { triangles, bvh, places, lights: posed.lights.clone(), coordinate_m, panes }
     }
 
     /// The number of triangles that are seen or cast.
@@ -97,7 +103,7 @@ impl Reference {
 /// Answers questions about the scene, one after the other; cheap to make, one for each thread.
 pub struct Tracer<'a> {
     pub(super) reference: &'a Reference,
-    stack: Vec<Open>,
+    pub(super) stack: Vec<Open>,
     /// What stood in the light's way last: neighbouring points are likely to be blocked by the same triangle.
     last_blocker: u32,
 }

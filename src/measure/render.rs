@@ -8,7 +8,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use glam::{DVec3, DVec4};
+use glam::{DVec3, DVec4, Vec3};
 use rayon::prelude::*;
 use shadowgraph_engine::math::Projection;
 use shadowgraph_engine::plan::Antialias;
@@ -43,6 +43,9 @@ pub struct LightQuery {
     pub casters: Vec<usize>,
     /// What casts for a light with a size.
     pub sized: Vec<SizedCasters>,
+    /// Indices into `Posed::instances`: their transparent surfaces cast too, as if the light had no size, and the factor
+    /// is one of red, green and blue.
+    pub transparent: Vec<usize>,
 }
 
 /// What is seen at every pixel, and every light's factor there.
@@ -88,7 +91,7 @@ pub struct SupersampledImage {
     /// Width and height in pixels.
     pub size_px: [u32; 2],
     /// For each query the light's name and, row by row, the mean factor of those sub-pixels that hit something, NaN
-    /// where none does.
+    /// where none does; red, green and blue where transparent surfaces cast.
     pub lights: Vec<(String, Vec<f32>)>,
 }
 
@@ -107,6 +110,20 @@ impl Reference {
     /// The reference through every sample of a picture that is antialiased so: a texel for each sample, as factor
     /// images have them.
     pub fn render_samples(
+        &self,
+        camera: &PosedCamera,
+        size_px: [u32; 2],
+        antialias: Antialias,
+        lights: &[LightQuery],
+        progress: &Progress<'_>,
+    ) -> ReferenceImage {
+        let mut image = self.render_untinted(camera, size_px, antialias, lights, progress);
+        self.tint(camera, size_px, antialias, &self.resolve(lights), &mut image, progress);
+        image
+    }
+
+    /// The same without what transparent surfaces cast.
+    fn render_untinted(
         &self,
         camera: &PosedCamera,
         size_px: [u32; 2],
@@ -181,7 +198,7 @@ impl Reference {
             let (mut first, mut disc) = (self.tracer(), self.disc_tracer());
             let mut means = vec![Vec::with_capacity(size_px[0] as usize); queries.len()];
             for x in 0..size_px[0] {
-                let mut sums = vec![0.0; queries.len()];
+                let mut sums = vec![Vec3::ZERO; queries.len()];
                 let mut count = 0;
                 for sub in 0..n * n {
                     let within = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
@@ -191,20 +208,24 @@ impl Reference {
                     count += 1;
                     for ((query, tracer), sum) in queries.iter().zip(&mut tracers).zip(&mut sums) {
                         let light = &self.lights[query.light];
+                        let mut factor = Vec3::ONE;
                         if !query.sized.is_empty() {
                             let Some(moved) = Moved::new(self, &view, pixel, hit, t) else { continue };
-                            *sum += query.judge_all(tracer, &mut disc, &moved, &mut [], 0).factor;
-                            continue;
+                            factor *= query.judge_all(tracer, &mut disc, &moved, &mut [], 0).factor;
+                        } else if light.reaches(point) {
+                            factor *=
+                                tracer.visibility_at(point, hit, view.eye, light.position, &query.casters);
                         }
-                        *sum += if light.reaches(point) {
-                            tracer.visibility_at(point, hit, view.eye, light.position, &query.casters)
-                        } else {
-                            1.0
-                        };
+                        if light.reaches(point) {
+                            factor *= query.tint_at(tracer, point, hit);
+                        }
+                        *sum += factor;
                     }
                 }
-                for (mean, sum) in means.iter_mut().zip(sums) {
-                    mean.push(if count == 0 { f32::NAN } else { sum / count as f32 });
+                for ((mean, sum), query) in means.iter_mut().zip(sums).zip(&queries) {
+                    let channels = if query.transparent.is_some() { 3 } else { 1 };
+                    let value = if count == 0 { Vec3::NAN } else { sum / count as f32 };
+                    mean.extend(&value.to_array()[..channels]);
                 }
             }
             means
@@ -230,6 +251,7 @@ impl Reference {
                     light: query.light,
                     is_hard: sized.is_empty() || !casters.is_empty(),
                     casters: self.caster_set(&casters),
+                    transparent: self.transparent_set(&query.transparent),
                     sized: sized.into_iter().map(|part| SizedQuery::new(self, part)).collect(),
                 }
             })
@@ -310,6 +332,8 @@ pub(super) struct Query {
     is_hard: bool,
     pub(super) casters: CasterSet,
     sized: Vec<SizedQuery>,
+    /// Where some transparent surface casts.
+    pub(super) transparent: Option<CasterSet>,
 }
 
 /// What a query says about a pixel.

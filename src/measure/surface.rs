@@ -8,7 +8,7 @@
 
 use glam::{DVec3, DVec4};
 use shadowgraph_engine::math::{Aabb, orient_sign};
-use shadowgraph_engine::scene::{Instance, Posed};
+use shadowgraph_engine::scene::{Instance, Material, Posed};
 
 use super::holes::Mask;
 
@@ -21,7 +21,7 @@ const POSITION_EPSILON: f64 = 4e-15;
 /// rounding, and no pixel is that narrow.
 const EDGE_ON: f64 = 1e-9;
 
-/// A triangle of an opaque or masked surface.
+/// A triangle of an opaque or masked surface, or of a transparent one ([`super::glass`]).
 #[derive(Clone, Debug)]
 pub(super) struct Triangle {
     /// In the world, in the mesh's order.
@@ -44,11 +44,16 @@ pub(super) struct Triangle {
 impl Triangle {
     /// All triangles that hide what is behind them, in the order of drawing.
     pub(super) fn of_scene(posed: &Posed) -> Vec<Self> {
+        Self::wearing(posed, Material::is_opaque)
+    }
+
+    /// All triangles of the materials that are `wanted`, in the order of drawing.
+    pub(super) fn wearing(posed: &Posed, wanted: fn(&Material) -> bool) -> Vec<Self> {
         posed
             .instances
             .iter()
             .enumerate()
-            .flat_map(|(index, instance)| of_instance(posed, index, instance))
+            .flat_map(|(index, instance)| of_instance(posed, index, instance, wanted))
             .collect()
     }
 
@@ -164,11 +169,12 @@ fn of_instance<'a>(
     posed: &'a Posed,
     index: usize,
     instance: &'a Instance,
+    wanted: fn(&Material) -> bool,
 ) -> impl Iterator<Item = Triangle> + 'a {
     let mirrored = instance.world_from_local.matrix3.determinant() < 0.0;
     (0..instance.mesh.triangle_count()).filter_map(move |triangle| {
         let material = instance.material_of(triangle);
-        material.is_opaque().then(|| Triangle {
+        wanted(material).then(|| Triangle {
             corners: instance.world_triangle(triangle),
             instance: index as u32,
             triangle: triangle as u32,

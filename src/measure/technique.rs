@@ -86,7 +86,11 @@ impl ShadowTechnique for ReferenceShadow {
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
-        Ok(instance.materials.iter().any(|material| material.is_opaque() && !material.unlit))
+        Ok(instance.materials.iter().any(|material| !material.unlit))
+    }
+
+    fn casts_transparent(&self) -> bool {
+        true
     }
 
     fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
@@ -100,31 +104,42 @@ impl ShadowTechnique for ReferenceShadow {
         let worn = posed.instances.iter().flat_map(|instance| &instance.materials);
         let worn: Vec<String> = worn
             .map(|m| {
-                format!("{:?}", (m.alpha_mode, m.base_color.w, m.base_color_texture, m.double_sided, m.unlit))
+                let color = (m.base_color, m.base_color_texture, m.transmission);
+                format!("{:?}", (m.alpha_mode, color, m.double_sided, m.unlit))
             })
             .collect();
         let seen_from = (format!("{:?}", view.camera), format!("{:?}", light.light()), view.size_px);
         let key = hash_of(("reference", poses, worn, &casters, seen_from, format!("{self:?}")));
+        let transparent =
+            |index: &&usize| posed.instances[**index].materials.iter().any(|m| m.is_transparent());
+        let transparent: Vec<usize> = casters.iter().filter(transparent).copied().collect();
         let factors = light.cache.get_or_compute("reference factors", key, || {
             let (size, samples) = (self.light_size(), Samples::Same(self.samples));
             let query = LightQuery {
                 light: index,
+                transparent,
                 sized: vec![SizedCasters { casters, size, samples }],
                 ..LightQuery::default()
             };
             let image = Reference::new(posed).render(&view.camera, view.size_px, &[query], &|_, _| {});
             let factor = image.lights.into_iter().next().map(|light| light.factor).unwrap_or_default();
+            // Where nothing is hit, nothing is shaded.
+            let factor: Vec<f32> = factor.into_iter().map(|f| if f.is_nan() { 1.0 } else { f }).collect();
             bytemuck::cast_slice(&factor).to_vec()
         });
+        // Red, green and blue only where transparent surfaces cast.
+        let colored = factors.len() > view.size_px[0] as usize * view.size_px[1] as usize * 4;
         let reason = "traced on the CPU";
         let slot = light.buffer(&format!("reference of {name}"), BufferUsage::Storage, key, factors, reason);
-        let target = light.multiply_visibility(Channels::One);
+        let (channels, flags): (_, &[&str]) =
+            if colored { (Channels::Rgb, &["COLORED"]) } else { (Channels::One, &[]) };
+        let target = light.multiply_visibility(channels);
         if self.light_size().is_wide(light.light().position) {
             // Samples on the other side of the surface than the eye are dark; those of a point are the engine's business.
             light.decides_own_shadow();
         }
         let text = include_str!("technique.wgsl");
-        let source = shadowgraph_shaders::compose(TYPE_NAME, text, &[])
+        let source = shadowgraph_shaders::compose(TYPE_NAME, text, flags)
             .map_err(|error| light.unsupported(error.to_string()))?;
         light.pass(Pass {
             name: format!("reference of {name}"),

@@ -7,7 +7,10 @@
 
 @fragment
 fn traced(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let factor = factors[u32(position.y) * u32(frame.size_px.x) + u32(position.x)];
-    // Nothing is hit where it is not a number; one that is lies between 0 and 1.
-    return vec4f(select(1.0, factor, factor >= 0.0 && factor <= 1.0));
+    let pixel = u32(position.y) * u32(frame.size_px.x) + u32(position.x);
+#if COLORED
+    return vec4f(factors[pixel * 3u], factors[pixel * 3u + 1u], factors[pixel * 3u + 2u], 1.0);
+#else
+    return vec4f(factors[pixel]);
+#endif
 }

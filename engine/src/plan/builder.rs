@@ -89,6 +89,19 @@ impl PlanBuilder {
         slot
     }
 
+    /// A texture as large as what is drawn whose contents are done with when the passes that asked for it are: one for
+    /// all that ask by this name for this format.
+    pub fn scratch(&mut self, name: &str, format: TextureFormat, reason: &str) -> SlotId {
+        let wanted = format;
+        let same = |slot: &Slot| {
+            slot.name == name && matches!(slot.kind, SlotKind::Texture { format, .. } if format == wanted)
+        };
+        match self.slots.iter().position(same) {
+            Some(index) => SlotId(index),
+            None => self.texture(name, format, 1, reason),
+        }
+    }
+
     /// Adds a buffer with contents whose origin hashes to `revision_key`. A buffer with the same key and use is
     /// added once.
     pub fn buffer(

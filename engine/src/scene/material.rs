@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec3, DVec4, Vec2, Vec3, Vec4};
 
 use super::{ImageKey, SurfaceFunction};
 
@@ -216,5 +216,61 @@ impl Material {
     /// Whether surfaces of it hide what is behind and enter the depth buffer.
     pub fn is_opaque(&self) -> bool {
         !matches!(self.alpha_mode, AlphaMode::Blend) && self.transmission == 0.0
+    }
+
+    /// Whether light passes its surfaces and takes their colour on, so that they cast coloured shadows.
+    pub fn is_transparent(&self) -> bool {
+        !self.is_opaque() && !self.unlit
+    }
+
+    /// How much of its surface is there where the base colour has this `alpha`: 0 in a mask's holes, and where a blended
+    /// surface's alpha is 0; 1 where alpha is ignored.
+    pub fn coverage(&self, alpha: f64) -> f64 {
+        match self.alpha_mode {
+            AlphaMode::Opaque => 1.0,
+            // Cutoffs are f32, and so are the products that shaders compare with them.
+            AlphaMode::Mask { cutoff } => f64::from(u8::from(alpha as f32 >= cutoff)),
+            AlphaMode::Blend => alpha.clamp(0.0, 1.0),
+        }
+    }
+
+    /// What passes one crossing of its surface, red, green and blue, each from 0 to 1, where the base colour (linear;
+    /// texture and vertex colour included) is `base_color`.
+    ///
+    /// A blended surface of alpha α lets (1 − α)·rgb pass (Kim, Kim & Turk, eq. 1), one of `KHR_materials_transmission`
+    /// t·rgb, one of both (1 − α·(1 − t))·rgb. Where nothing is covered there is no surface, and everything passes: a
+    /// step, since (1 − α)·rgb tends to rgb as α tends to 0. Opaque surfaces let nothing pass.
+    pub fn transmission_at(&self, base_color: DVec4) -> DVec3 {
+        let coverage = self.coverage(base_color.w);
+        if coverage == 0.0 {
+            return DVec3::ONE;
+        }
+        let share = 1.0 - coverage * (1.0 - f64::from(self.transmission));
+        (base_color.truncate() * share).clamp(DVec3::ZERO, DVec3::ONE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_passes_is_what_mode_and_transmission_say() {
+        let passes = |alpha_mode, transmission, base_color: [f64; 4]| {
+            let material = Material { alpha_mode, transmission, ..Material::default() };
+            material.transmission_at(base_color.into()).to_array()
+        };
+        let red = |alpha| [0.5, 0.25, 0.0, alpha];
+        assert_eq!(passes(AlphaMode::Blend, 0.0, red(0.5)), [0.25, 0.125, 0.0]);
+        assert_eq!(passes(AlphaMode::Blend, 0.0, red(1.0)), [0.0; 3]);
+        assert_eq!(passes(AlphaMode::Blend, 0.0, red(0.0)), [1.0; 3]);
+        assert_eq!(passes(AlphaMode::Opaque, 0.5, red(0.0)), [0.25, 0.125, 0.0]);
+        assert_eq!(passes(AlphaMode::Opaque, 0.0, red(0.5)), [0.0; 3]);
+        assert_eq!(passes(AlphaMode::Blend, 0.5, red(0.5)), [0.375, 0.1875, 0.0]);
+        let mask = AlphaMode::Mask { cutoff: 0.5 };
+        assert_eq!(passes(mask, 0.5, red(0.5)), [0.25, 0.125, 0.0]);
+        assert_eq!(passes(mask, 0.5, red(0.4)), [1.0; 3]);
+        // No more light than arrives.
+        assert_eq!(passes(AlphaMode::Blend, 0.0, [3.0, -1.0, 0.5, 0.5]), [1.0, 0.0, 0.25]);
     }
 }

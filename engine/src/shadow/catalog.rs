@@ -15,6 +15,19 @@ pub struct Requirements {
     pub optional: wgpu::Features,
 }
 
+/// Which of the transparent surfaces at a pixel a technique wants its light's factor at, beside the opaque surface.
+/// The widest wish of a light's techniques counts for all of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Layers {
+    /// None: transparent surfaces are lit without shadows.
+    #[default]
+    OpaqueOnly,
+    /// The nearest; those behind it are lit without shadows.
+    First,
+    /// All of them.
+    All,
+}
+
 /// A way to compute shadows.
 ///
 /// Implementations hold their options and nothing else: what persists between frames lives in the
@@ -43,6 +56,18 @@ pub trait ShadowTechnique: fmt::Debug + Send + Sync {
     /// is then compared sample by sample. `None` where it approximates the whole light.
     fn light_sample_count(&self) -> Option<u32> {
         None
+    }
+
+    /// Whether its casters' transparent surfaces cast through it too, in the colours that they let pass
+    /// ([`Material::transmission_at`](crate::scene::Material::transmission_at)); else they cast nothing.
+    fn casts_transparent(&self) -> bool {
+        false
+    }
+
+    /// On which transparent surfaces its shadows fall: [`ShadowTechnique::plan`] is called once more for each of these
+    /// layers of the picture.
+    fn receiver_layers(&self) -> Layers {
+        Layers::OpaqueOnly
     }
 
     /// Whether `instance` casts through this technique: `Ok(false)` leaves it to others.

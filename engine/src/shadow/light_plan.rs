@@ -322,6 +322,12 @@ impl<'a> LightPlan<'a> {
         self.builder.kept_texture(name, format, size_px, layers, revision_key, reason)
     }
 
+    /// A texture as large as what is drawn that this technique clears and is done with in its own passes: lights and
+    /// layers share it; see [`PlanBuilder::scratch`].
+    pub fn scratch(&mut self, name: &str, format: TextureFormat, reason: &str) -> SlotId {
+        self.builder.scratch(name, format, reason)
+    }
+
     /// Adds an image of the scene for [`crate::plan::Binding::Texture`]; see [`PlanBuilder::image`].
     pub fn image(&mut self, image: ImageKey, reason: &str) -> SlotId {
         let name = self.posed.images.get(&image).map_or("image", |image| &image.name);

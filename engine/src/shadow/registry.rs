@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{Catalog, LightSize, ShadowError, ShadowTechnique};
+use super::{Catalog, Layers, LightSize, ShadowError, ShadowTechnique};
 use crate::scene::{Params, Posed};
 
 /// What one node casts for one light.
@@ -127,6 +127,19 @@ impl Registry {
             self.lights[light].iter().flat_map(|claim| claim.casters.clone()).collect();
         casters.sort_unstable();
         casters
+    }
+
+    /// The casters of `light` whose transparent surfaces cast too, ascending.
+    pub fn transparent_casters_of(&self, light: usize) -> Vec<usize> {
+        let claims = self.lights[light].iter().filter(|claim| claim.technique.casts_transparent());
+        let mut casters: Vec<usize> = claims.flat_map(|claim| claim.casters.clone()).collect();
+        casters.sort_unstable();
+        casters
+    }
+
+    /// On which transparent surfaces shadows of `light` fall.
+    pub fn receiver_layers(&self, light: usize) -> Layers {
+        self.lights[light].iter().map(|claim| claim.technique.receiver_layers()).max().unwrap_or_default()
     }
 }
 

@@ -48,6 +48,16 @@ pub fn end_plane(view: &View, light: DVec4, caster: &Aabb) -> Option<Plane> {
         .map(|(_, plane)| plane)
 }
 
+/// Where the volume of a caster within `caster` ends in this view: on a plane where that is exact, else at infinity, or
+/// where an orthographic view has its place.
+pub fn end_in_view(view: &View, light: DVec4, caster: &Aabb) -> End {
+    match end_plane(view, light, caster) {
+        Some(plane) => End::Plane(plane),
+        None if view.frustum.eye.w == 0.0 => End::Scaled(scaled_end(view, light, caster)),
+        None => End::Infinite,
+    }
+}
+
 /// The factor of [`End::Scaled`] that puts the far copy beyond everything in view.
 pub fn scaled_end(view: &View, light: DVec4, caster: &Aabb) -> f64 {
     let everything = Aabb::from_points(view.frustum.near_corners).union(&view.receiver_bounds).union(caster);

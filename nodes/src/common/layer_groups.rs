@@ -34,7 +34,8 @@ pub struct Caster<'a> {
 }
 
 impl Caster<'_> {
-    fn triangles(&self) -> CastTriangles<'_> {
+    /// The triangles that cast.
+    pub fn triangles(&self) -> CastTriangles<'_> {
         CastTriangles {
             p_in_world: &self.facing.p_in_world,
             triangles: self.shape.topology().triangles(),

@@ -1,8 +1,11 @@
-//! What several techniques share: which casters matter, how volumes end, their vertices, and how many layers they count.
+//! What several techniques share: which casters matter, how volumes end, their vertices and draws, and how many layers they count.
 
 pub mod culling;
 pub mod extrusion;
 pub mod layer_groups;
 pub mod light_lists;
+pub mod listed;
 pub mod masked;
+pub mod screen_bounds;
 pub mod volume;
+pub mod volume_draws;

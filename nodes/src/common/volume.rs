@@ -98,11 +98,16 @@ impl CastShape<'_> {
     }
 
     /// The signs without those of triangles that have holes or let light through.
-    pub fn whole_only(&self, instance: &Instance, mut signs: Vec<i8>) -> Vec<i8> {
+    pub fn whole_only(&self, instance: &Instance, signs: Vec<i8>) -> Vec<i8> {
+        self.of_parts(instance, signs, |part| instance.materials[part].casts_whole())
+    }
+
+    /// The signs without those of the parts (by their number) that are not to cast.
+    fn of_parts(&self, instance: &Instance, mut signs: Vec<i8>, casts: impl Fn(usize) -> bool) -> Vec<i8> {
         let own = instance.mesh.triangle_count();
-        for (part, material) in instance.mesh.data().parts.iter().zip(&instance.materials) {
+        for (number, part) in instance.mesh.data().parts.iter().enumerate() {
             let (start, end) = (part.triangles.start as usize, part.triangles.end as usize);
-            if !material.casts_whole() {
+            if !casts(number) {
                 signs[start..end].fill(0);
                 if matches!(self, Self::Doubled(_)) {
                     signs[own + start..own + end].fill(0);
@@ -158,11 +163,22 @@ impl CasterFacing {
     /// The facing signs of `instance`, with the triangles of `shape`, towards `light`; of those in `half`. Triangles
     /// that do not block light as a whole (masked, blended, unlit ones) are not cast.
     pub fn new(instance: &Instance, shape: &CastShape<'_>, light: DVec4, half: Half) -> Self {
+        Self::of_parts(instance, shape, light, half, |part| instance.materials[part].casts_whole())
+    }
+
+    /// As [`CasterFacing::new`], of the parts whose number `casts` accepts.
+    pub fn of_parts(
+        instance: &Instance,
+        shape: &CastShape<'_>,
+        light: DVec4,
+        half: Half,
+        casts: impl Fn(usize) -> bool,
+    ) -> Self {
         let p_in_world: Vec<DVec3> = (0..instance.mesh.positions().len() as u32)
             .map(|vertex| instance.world_position(vertex))
             .collect();
         let signs = facing_signs(&p_in_world, shape.topology().triangles(), light);
-        let signs = shape.whole_only(instance, shape.signs_of(instance, signs, half));
+        let signs = shape.of_parts(instance, shape.signs_of(instance, signs, half), casts);
         let cast = (0..signs.len() as u32).filter(|triangle| signs[*triangle as usize] != 0).collect();
         Self { p_in_world, signs, cast, half }
     }
@@ -191,7 +207,7 @@ pub struct SideRun {
     pub ahead: Range<u32>,
 }
 
-/// Indices of a volume, each 4·vertex + kind of corner (see shadow_volume_hard.wgsl), in runs that are drawn as the view demands.
+/// Indices of a volume, each 4·vertex + kind of corner (see common/volume.wgsl), in runs that are drawn as the view demands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VolumeIndices {
     /// All runs, one after the other.

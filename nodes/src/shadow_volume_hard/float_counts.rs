@@ -14,10 +14,11 @@ use shadowgraph_engine::plan::{
 };
 use shadowgraph_engine::shadow::{Channels, Features, LightPlan, ShadowError};
 
-use super::draws::{Counter, upload, volume_draws, volume_shader};
-use super::{Reach, ShadowVolumeHard, Volume, volumes_pass};
+use super::draws::{Counter, counting_draws, volume_shader};
+use super::{Reach, ShadowVolumeHard, volumes_pass};
 use crate::common::layer_groups::Caster;
 use crate::common::volume::Weights;
+use crate::common::volume_draws::{Volume, upload};
 
 /// Layers between every pixel and a light, for techniques that add fractions to them.
 pub(crate) struct Layers<'a> {
@@ -81,7 +82,7 @@ fn count(light: &mut LightPlan<'_>, volumes: &[Volume<'_>], fractions: bool) -> 
     let draws: Vec<Draw> = volumes
         .iter()
         .zip(0..)
-        .flat_map(|(volume, record)| volume_draws(volume, record, &buffers, Counter::Float))
+        .flat_map(|(volume, record)| counting_draws(volume, record, &buffers, Counter::Float))
         .collect();
     let largest: u64 =
         draws.iter().map(|draw| draw.vertices() / 3 * draw.state.blend_constant[0].abs() as u64).sum();

@@ -16,7 +16,7 @@ use super::chain::{CasterChain, LightBall, SoftEdge, SoftTriangle};
 use super::lists::{MAX_SLICES, SoftGrid, clusters};
 use super::{Quality, ShadowVolumeSoft};
 use crate::GeometryMode;
-use crate::common::masked::{GridPlane, Layout};
+use crate::common::listed::{GridPlane, Layout};
 use crate::common::volume::{CastShape, Half};
 use crate::shadow_volume_hard::note_left_out;
 

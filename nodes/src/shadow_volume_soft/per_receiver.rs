@@ -26,7 +26,7 @@ use super::gather::Gathered;
 
 impl ShadowVolumeSoft {
     pub(super) fn plan_per_receiver(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        let Gathered { bindings, clusters, casters, edges, triangles } = self.gather(light)?;
+        let Gathered { bindings, clusters, casters, edges, triangles, .. } = self.gather(light)?;
         if light.view.receiver_bounds.is_empty() {
             return Ok(());
         }

@@ -99,12 +99,13 @@ fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 }
 
 /// The texts that say what a reference is.
-const SOURCES: [&str; 11] = [
+const SOURCES: [&str; 12] = [
     include_str!("../../../engine/src/shadow/area_light.rs"),
     include_str!("../../../engine/src/shadow/light_samples.rs"),
     include_str!("../area.rs"),
     include_str!("../bvh.rs"),
     include_str!("../disc.rs"),
+    include_str!("../glass.rs"),
     include_str!("../holes.rs"),
     include_str!("../moved.rs"),
     include_str!("../reference.rs"),

@@ -1,0 +1,261 @@
+//! From volumes to draws: the buffers of one light, which runs of indices a view demands, and what each of them counts.
+
+use std::sync::Arc;
+
+use shadowgraph_engine::geometry::GroupMember;
+use shadowgraph_engine::plan::{
+    Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, BufferUsage, CompareFunction, Draw,
+    DrawState, Geometry, Shader, SlotId,
+};
+use shadowgraph_engine::shadow::{LightPlan, hash_of};
+
+use super::extrusion::End;
+use super::layer_groups::Caster;
+use super::volume::{Half, VolumeIndices, VolumeUniform, Weights};
+
+/// One caster's volume, with everything the view decides about it.
+#[derive(Clone, Debug)]
+pub struct Volume<'a> {
+    /// The caster, with the triangles that cast.
+    pub caster: Caster<'a>,
+    /// Whether it is counted behind what is seen, not before it.
+    pub z_fail: bool,
+    /// Whether front caps may lie before what is seen. Where all of a caster is in the depth buffer none does, and z-pass
+    /// goes without them; but of a single-sided surface only one side is.
+    pub hidden_caps_count: bool,
+    /// Whether what is seen may be the caster itself, turned away from the light and yet not dark: there the view leaves a
+    /// volume at the very depth of what it sees, and has left it.
+    pub falls_on_itself: bool,
+    /// Where it ends.
+    pub end: End,
+    /// Whether depths beyond near and far are clamped.
+    pub clamp_depth: bool,
+    /// Whether the light is a direction.
+    pub directional: bool,
+    /// Which of the caster's triangles cast.
+    pub half: Half,
+}
+
+impl Volume<'_> {
+    /// The caster's name and what was chosen for it.
+    pub fn name(&self) -> String {
+        let mode = match self.half {
+            Half::Both => "open",
+            Half::Lit => "closed",
+            Half::Unlit => "closed from its far side",
+        };
+        let depth_test = if self.z_fail { "z-fail" } else { "z-pass" };
+        let end = match self.end {
+            End::Infinite => "to infinity",
+            End::Plane(_) => "to a plane",
+            End::Scaled(_) => "beyond the view",
+        };
+        format!("{} {mode} {depth_test} {end}", self.caster.instance.name)
+    }
+}
+
+/// The buffers of one light's volumes.
+pub struct Buffers {
+    index_slot: SlotId,
+    records: SlotId,
+    /// For each record: where its indices begin, and their runs.
+    indices: Vec<(u32, Arc<VolumeIndices>)>,
+}
+
+/// Uploads the indices and records of `groups`, of which every member is a caster's number in `volumes`.
+pub fn upload(
+    light: &mut LightPlan<'_>,
+    volumes: &[Volume<'_>],
+    groups: &[Vec<GroupMember>],
+    weights: Weights,
+) -> Buffers {
+    let mut keys = Vec::new();
+    let mut indices = Vec::new();
+    let mut records: Vec<VolumeUniform> = Vec::new();
+    let mut first = 0;
+    for member in groups.iter().flatten() {
+        let Volume { caster: Caster { index, instance, shape, key, facing }, end, .. } =
+            &volumes[member.caster];
+        let key = hash_of((key, &member.triangles, weights));
+        let runs = light.cache.get_or_compute("volume indices", key, || {
+            let triangles = member.triangles.as_ref().unwrap_or(&facing.cast);
+            VolumeIndices::new(instance, shape, facing, triangles, weights)
+        });
+        records.push(VolumeUniform::new(instance, *index, light.light().position, *end));
+        keys.push(key);
+        let count = runs.indices.len() as u32;
+        indices.push((first, runs));
+        first += count;
+    }
+    let name = light.light().name.clone();
+    let key = hash_of(("volume indices", &keys));
+    let bytes = light.cache.get_or_compute("volume index bytes", key, || {
+        indices
+            .iter()
+            .flat_map(|(_, runs)| bytemuck::cast_slice::<u32, u8>(&runs.indices))
+            .copied()
+            .collect::<Vec<u8>>()
+    });
+    let edges: usize = indices.iter().map(|(_, runs)| runs.silhouette_edges).sum();
+    let reason = format!("{edges} silhouette edges, and the caps for views that need them");
+    let index_slot =
+        light.buffer(&format!("volume indices of {name}"), BufferUsage::Index, key, bytes, &reason);
+    let bytes: &[u8] = bytemuck::cast_slice(&records);
+    let key = hash_of(("volumes", bytes));
+    let records = light.buffer(
+        &format!("volumes of {name}"),
+        BufferUsage::Storage,
+        key,
+        Arc::new(bytes.to_vec()),
+        "where the light is, as each caster sees it, and where its volume ends",
+    );
+    Buffers { index_slot, records, indices }
+}
+
+/// Neighbouring indices that count alike.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// The first index.
+    pub start: u32,
+    /// The index after the last.
+    pub end: u32,
+    /// How they count.
+    pub how: How,
+}
+
+/// How the faces of a run count.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct How {
+    /// What a face counts that enters a volume; negative when the triangles are wound against the chain.
+    pub weight: i32,
+    /// Which of them count.
+    pub faces: Faces,
+    /// Whether a face at the very depth of the visible surface counts as before it.
+    pub equal_is_before: bool,
+}
+
+impl How {
+    /// Which faces count, as triangles are wound: `Some(true)` those that face the eye, `Some(false)` the others.
+    pub fn front_faces(&self) -> Option<bool> {
+        match self.faces {
+            Faces::Both => None,
+            Faces::Entering => Some(self.weight >= 0),
+            Faces::Leaving => Some(self.weight < 0),
+        }
+    }
+
+    fn both(weight: i32) -> Self {
+        Self { weight, faces: Faces::Both, equal_is_before: false }
+    }
+}
+
+/// The faces of a volume that a draw counts, by what the view does there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Faces {
+    /// All.
+    Both,
+    /// Where the view enters a volume.
+    Entering,
+    /// Where it leaves one.
+    Leaving,
+}
+
+/// The runs of a volume that its depth test and end demand, neighbours joined.
+pub fn runs(volume: &Volume<'_>, indices: &VolumeIndices) -> Vec<Run> {
+    let meets_at_infinity = volume.directional && volume.end == End::Infinite;
+    let mut wanted = Vec::new();
+    for side in &indices.sides {
+        let how = How::both(side.weight as i32);
+        // What is seen of a far side lies right behind the sides through which the view enters: they begin before it. (A
+        // side taken to be before what it touches only adds to a count there: it cannot cancel another's, and a move of
+        // the receiver by the ambiguity band's ulps would put it in the volume.)
+        let unlit = volume.half == Half::Unlit;
+        let how = if unlit { How { faces: Faces::Leaving, ..how } } else { how };
+        wanted.push((&side.near, how));
+        if !meets_at_infinity {
+            wanted.push((&side.far, how));
+        }
+        if unlit {
+            wanted.push((&side.ahead, How { faces: Faces::Entering, ..how }));
+        }
+    }
+    if volume.z_fail && !meets_at_infinity {
+        wanted.push((&indices.far_caps, How::both(1)));
+    }
+    let front_caps = [(&indices.front_caps, How::both(1)), (&indices.front_caps_turned, How::both(-1))];
+    if volume.half == Half::Unlit {
+        // The far side of the caster itself is not to be in its shadow: there the view leaves the volume at the very
+        // depth of what it sees. Where it enters through a cap, nobody sees the cap, and depth is as it always is.
+        let leaving = |how| How { faces: Faces::Leaving, equal_is_before: true, ..how };
+        wanted.extend(front_caps.map(|(run, how)| (run, leaving(how))));
+        if volume.z_fail {
+            wanted.extend(front_caps.map(|(run, how)| (run, How { faces: Faces::Entering, ..how })));
+        }
+    } else if volume.falls_on_itself {
+        let entering = |how| How { faces: Faces::Entering, ..how };
+        let leaving = |how| How { faces: Faces::Leaving, equal_is_before: true, ..how };
+        wanted.extend(front_caps.map(|(run, how)| (run, entering(how))));
+        wanted.extend(front_caps.map(|(run, how)| (run, leaving(how))));
+    } else if volume.z_fail || volume.hidden_caps_count {
+        wanted.extend(front_caps);
+    }
+    wanted.push((&indices.unseen_caps, How::both(1)));
+    wanted.push((&indices.unseen_caps_turned, How::both(-1)));
+    let mut joined: Vec<Run> = Vec::new();
+    for (range, how) in wanted {
+        match joined.last_mut() {
+            Some(last) if last.end == range.start && last.how == how => last.end = range.end,
+            _ => joined.push(Run { start: range.start, end: range.end, how }),
+        }
+    }
+    joined.retain(|run| run.start < run.end);
+    joined
+}
+
+/// The draws of one volume, each with the shader and state that `counting` says for how it counts.
+pub fn volume_draws(
+    volume: &Volume<'_>,
+    record: u32,
+    buffers: &Buffers,
+    counting: impl Fn(How) -> (Shader, DrawState),
+) -> Vec<Draw> {
+    let (first, indices) = &buffers.indices[record as usize];
+    let draw = |run: Run| {
+        let (shader, mut state) = counting(run.how);
+        state.depth_clamp = volume.clamp_depth;
+        Draw {
+            name: volume.name(),
+            shader: Some(shader),
+            state,
+            geometry: Geometry::Indexed {
+                instance: volume.caster.index as u32,
+                indices: buffers.index_slot,
+                first: first + run.start,
+                count: run.end - run.start,
+                record,
+            },
+            bindings: vec![(1, Binding::Storage(buffers.records))],
+            scissor_px: None,
+        }
+    };
+    runs(volume, indices).into_iter().map(draw).collect()
+}
+
+/// Adds to a float target: the shader says +1 for a front face and −1 for a back face, the blend constant how much it
+/// weighs. Blending knows no operation for fragments that fail the depth test, so z-fail has the inverse comparison.
+pub fn float_state(z_fail: bool, how: How) -> DrawState {
+    let add = BlendComponent {
+        src_factor: BlendFactor::Constant,
+        dst_factor: BlendFactor::One,
+        operation: BlendOperation::Add,
+    };
+    let compare = match (z_fail, how.equal_is_before) {
+        (false, false) => CompareFunction::Greater,
+        (false, true) => CompareFunction::GreaterEqual,
+        (true, false) => CompareFunction::LessEqual,
+        (true, true) => CompareFunction::Less,
+    };
+    let mut state = DrawState::new(compare, vec![Some(BlendState { color: add, alpha: add })]);
+    state.blend_constant = [f64::from(if z_fail { -how.weight } else { how.weight }); 4];
+    state
+}

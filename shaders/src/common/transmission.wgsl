@@ -1,0 +1,37 @@
+// What passes one crossing of a transparent surface, and the colour of its texture there: the one look-up of shadows
+// and of the layers they fall on. Texels are read one by one and blended in f32, as common/alpha_mask reads alpha.
+
+#import common/alpha_mask
+
+fn texel_color(image: texture_2d<f32>, texel: vec2i, size: vec2i, reading: u32) -> vec4f {
+    let place = vec2i(wrapped(texel.x, size.x, reading & 3u), wrapped(texel.y, size.y, (reading >> 2u) & 3u));
+    let color = textureLoad(image, place, 0);
+    // Without the rounding of a quotient: alpha 0 is no surface.
+    return vec4f(color.rgb, floor(color.a * 255.0 + 0.5) / 255.0);
+}
+
+// Linear colour and alpha of `image` at `uv`, of its full size whatever the distance; `reading` as in common/alpha_mask.
+fn color_at(image: texture_2d<f32>, uv: vec2f, reading: u32) -> vec4f {
+    let size = vec2i(textureDimensions(image));
+    let place = uv * vec2f(size);
+    if (reading & 16u) == 0u {
+        return texel_color(image, vec2i(floor(place)), size, reading);
+    }
+    let corner = floor(place - 0.5);
+    let weight = place - 0.5 - corner;
+    let texel = vec2i(corner);
+    let a = texel_color(image, texel, size, reading);
+    let b = texel_color(image, texel + vec2i(1, 0), size, reading);
+    let c = texel_color(image, texel + vec2i(0, 1), size, reading);
+    let d = texel_color(image, texel + vec2i(1, 1), size, reading);
+    return mix(mix(a, b, weight.x), mix(c, d, weight.x), weight.y);
+}
+
+// What passes a surface of linear colour `rgb` that covers this share (its alpha where it blends, else 1; 0 in a hole)
+// and has this `KHR_materials_transmission`: as `Material::transmission_at` has it.
+fn transmission_at(rgb: vec3f, coverage: f32, transmission: f32) -> vec3f {
+    if coverage <= 0.0 {
+        return vec3f(1.0);
+    }
+    return saturate(rgb * (1.0 - coverage * (1.0 - transmission)));
+}

@@ -1,0 +1,71 @@
+// The vertices of shadow volumes: sides, front caps and far caps of one caster for one light, drawn from the caster's own
+// vertices.
+
+#import common/frame
+#import common/positions
+
+// One caster of one light.
+struct Volume {
+    // The light in the caster's local space, (position, 1) or (direction towards it, 0), as the sum of two f32:
+    // vertex − light stays exact to the last digit even for a light that touches the caster.
+    light_high: vec4f,
+    light_low: vec4f,
+    // Where volumes end, in local space: {x : normal·x = offset}.
+    end_normal: vec3f,
+    end_offset: f32,
+    // How they end: 0 at infinity, 1 on the end plane, 2 as a copy scaled about the light by `end_scale`.
+    end_kind: u32,
+    end_scale: f32,
+    instance: u32,
+    pad_0: u32,
+}
+
+@group(1) @binding(1) var<storage, read> volumes: array<Volume>;
+
+// Sides are drawn this fraction of the depth behind where they are: 16 roundings or less. The side that hangs from an
+// edge of a visible, lit triangle lies behind that triangle, but next to the edge by less than rounding can tell, and
+// a side mistaken to be in front could cancel another caster's count. (For a triangle turned away from the light
+// it lies in front; but such a surface is dark whatever the count.)
+const BEHIND: f32 = 9.5367431640625e-7;
+
+fn behind(clip: vec4f) -> vec4f {
+    let depth_unit = select(clip.w, clip.z, frame.eye_w > 0.0);
+    return vec4f(clip.xy, clip.z - depth_unit * BEHIND, clip.w);
+}
+
+// Four roundings before the surface: for sides that begin at a visible triangle which is not to be behind them by chance.
+const AHEAD: f32 = 2.384185791015625e-7;
+
+fn ahead(clip: vec4f) -> vec4f {
+    let depth_unit = select(clip.w, clip.z, frame.eye_w > 0.0);
+    return vec4f(clip.xy, clip.z + depth_unit * AHEAD, clip.w);
+}
+
+// Where a corner of a volume goes. Each index is 4·vertex + what is meant: 0 a corner of a cap, 2 a near corner of a side,
+// 1 such a corner a little before the surface, 3 the vertex's extruded twin.
+fn volume_clip(index: u32, volume_index: u32) -> vec4f {
+    let volume = volumes[volume_index];
+    let p = local_position(index >> 2u);
+    if (index & 3u) == 0u {
+        // A cap: the very depth of the visible surface.
+        return clip_from_local(volume.instance, p);
+    }
+    if (index & 3u) == 1u {
+        return ahead(clip_from_local(volume.instance, p));
+    }
+    if (index & 3u) == 2u {
+        return behind(clip_from_local(volume.instance, p));
+    }
+    // The direction in which the vertex is extruded: w·v − l.
+    let away = (p * volume.light_high.w - volume.light_high.xyz) - volume.light_low.xyz;
+    let away_in_view = view_direction_from_local(volume.instance, away);
+    if volume.end_kind == 0u {
+        return frame.clip_from_view * vec4f(away_in_view, 0.0);
+    }
+    var stretch = volume.end_scale;
+    if volume.end_kind == 1u {
+        stretch = (volume.end_offset - dot(volume.end_normal, p)) / dot(volume.end_normal, away);
+    }
+    let end_in_view = view_from_local(volume.instance, p) + away_in_view * stretch;
+    return behind(frame.clip_from_view * vec4f(end_in_view, 1.0));
+}
