@@ -4,7 +4,6 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "rows of measurements are what a reader of the log is after")]
 
-#[allow(dead_code, reason = "other tests use the rest")]
 mod common;
 #[path = "soft_areas/stage.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]

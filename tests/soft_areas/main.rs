@@ -5,7 +5,6 @@
 #![allow(clippy::print_stdout, reason = "rows of measurements are what a reader of the log is after")]
 
 #[path = "../common/mod.rs"]
-#[allow(dead_code, reason = "other tests use the rest")]
 mod common;
 mod stage;
 #[path = "../soft_coverage/twin.rs"]
