@@ -260,7 +260,7 @@ fn question_at(position: vec2f) -> Question {
     q.n = world_from_view(normal.xyz);
     q.height = dot(q.n, q.r.w);
     q.reach = q.r.k * sqrt(max(1.0 - q.height * q.height, 0.0)) * 1.00001 + 1e-6;
-    q.lit = q.height > q.reach;
+    q.lit = q.height > q.reach && q.r.k > 0.0;
 #if CASTERS
     q.lists = lists_of(q.r);
     let listed = q.lists.edges.first < q.lists.edges.end || q.lists.triangles.first < q.lists.triangles.end;
@@ -286,7 +286,10 @@ fn sampled(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let r = with_frame(q.r, position.xy, textureLoad(receiver_depth, vec2u(position.xy), 0));
     // Within the light, only the centre counts: a disc without extent.
     let sample_count = select(SAMPLE_COUNT, 1u, r.k == 0.0);
-    let over = vec3f(q.height, dot(q.n, r.u) * r.k, dot(q.n, r.v) * r.k);
+    // A centre that by rounding may lie in the surface's plane does so.
+    let uncertain = (abs(dot(q.n, r.step)) + ROUNDING * (2.0 * r.distance + r.light_distance)) / r.light_distance;
+    let height = q.height - select(0.0, uncertain, r.k == 0.0);
+    let over = vec3f(height, dot(q.n, r.u) * r.k, dot(q.n, r.v) * r.k);
     var lit = 0u;
     for (var round = 0u; round < ROUNDS; round += 1u) {
         var bits = select(samples_of(round), vec2u(select(0u, 1u, round == 0u), 0u), r.k == 0.0);

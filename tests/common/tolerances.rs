@@ -95,6 +95,14 @@ const fn casters_within(rmse: f64) -> Tolerance {
     Tolerance::Within(Bound { leak_share, false_share, rmse, penumbra_rmse: rmse, max: 1.0, why })
 }
 
+const SOFT: &str = "ShadowVolumeSoft";
+
+/// Sample by sample, and no masks; its factors are computed for each fragment, so that four samples a pixel are refused.
+const fn sampled(setting: &'static str) -> Row {
+    let except = &[("alpha-mask", Tolerance::Refused), ("msaa", Tolerance::ExactWhereAccepted)];
+    Row { except, ..exact(SOFT, setting) }
+}
+
 const PLANAR: &str = "SoftShadow";
 
 const fn planar(setting: &'static str, owes: Tolerance, except: &'static [(&'static str, Tolerance)]) -> Row {
@@ -171,6 +179,9 @@ pub(crate) const ROWS: &[Row] = &[
     // Masked parts are no counts, which is all that a single pass takes.
     Row { except: &[("alpha-mask", Tolerance::Refused)], ..exact(HARD, "single") },
     exact(HARD, "smooth"),
+    sampled("default"),
+    sampled("samples 16"),
+    sampled("samples 256"),
     planar(
         "default",
         points(0.07, 0.0005),
