@@ -109,8 +109,6 @@ const fn planar(setting: &'static str, owes: Tolerance, except: &'static [(&'sta
     Row { technique: PLANAR, setting, owes, except, accepts_at_least: 240 }
 }
 
-const SOFT: &str = "ShadowVolumeSoft";
-
 /// Areas added up, at most so far off: leaks and false shadows as shares of the frame, and the root mean square over frame
 /// and penumbra. Single pixels may be off by anything: a box's whole inside may overlap its lid.
 const fn areas(
