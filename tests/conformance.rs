@@ -38,24 +38,32 @@ fn dump(trial: &Trial, folder: &std::path::Path) {
 
 #[test]
 fn every_technique_does_on_every_case_what_it_declares() {
-    let Some(mut renderer) = renderer() else { return };
     let filter = std::env::var("CASE").unwrap_or_default();
     let cases = cases::all().into_iter().flat_map(|entry| entry.build());
     let cases: Vec<Case> = cases.filter(|case| case.name().contains(&filter)).collect();
     assert!(!cases.is_empty(), "no case is called '{filter}'");
     let mut failures = Vec::new();
     let mut accepted: BTreeMap<(&str, &str), usize> = BTreeMap::new();
-    for trial in cases.iter().flat_map(|case| try_all(&mut renderer, case, ROWS)) {
-        *accepted.entry((trial.technique, trial.setting)).or_default() += usize::from(trial.accepted);
-        if let Some(folder) = std::env::var_os("DUMP") {
-            dump(&trial, std::path::Path::new(&folder));
-        }
-        if let Some(complaint) = &trial.complaint {
-            if let (Some(evaluation), false) = (&trial.evaluation, filter.is_empty()) {
-                println!("{}", evaluation.frame.plan);
+    let judged = common::conformance::with_two_renderers(renderer, &cases, |renderer, case| {
+        let trials = try_all(renderer, case, ROWS);
+        let outcome = |trial: &Trial| {
+            if let Some(folder) = std::env::var_os("DUMP") {
+                dump(trial, std::path::Path::new(&folder));
             }
-            failures.push(format!("{}: {complaint}", trial.name()));
-        }
+            let complaint = trial.complaint.as_ref().map(|complaint| {
+                if let (Some(evaluation), false) = (&trial.evaluation, filter.is_empty()) {
+                    println!("{}", evaluation.frame.plan);
+                }
+                format!("{}: {complaint}", trial.name())
+            });
+            ((trial.technique, trial.setting), trial.accepted, complaint)
+        };
+        trials.iter().map(outcome).collect::<Vec<_>>()
+    });
+    let Some(judged) = judged else { return };
+    for (setting, is_accepted, complaint) in judged.into_iter().flatten() {
+        *accepted.entry(setting).or_default() += usize::from(is_accepted);
+        failures.extend(complaint);
     }
     for ((technique, setting), count) in &accepted {
         println!("{technique} ({setting}): {count} of {} accepted", cases.len());

@@ -8,7 +8,7 @@
 
 mod common;
 
-use common::conformance::{Trial, try_all};
+use common::conformance::{Trial, try_all, with_two_renderers};
 use common::tolerances::{KNOWN, Known, ROWS};
 use shadowgraph::cases::Case;
 use shadowgraph::cases::sweeps::{self, Sweep};
@@ -43,7 +43,7 @@ fn row(trial: &Trial) -> String {
 
 #[test]
 fn every_sweep_is_right_at_every_step() {
-    let Some(mut renderer) = common::renderer() else { return };
+    let Some(renderer) = common::renderer() else { return };
     let filter = std::env::var("CASE").unwrap_or_default();
     let entries = renderer.catalog().entries().to_vec();
     let sweeps = sweeps::all().into_iter().filter(|sweep| sweep.id.contains(&filter));
@@ -52,8 +52,9 @@ fn every_sweep_is_right_at_every_step() {
     assert!(!sweeps.is_empty(), "no sweep is called '{filter}' and concerns a technique");
     let mut failures = Vec::new();
     let mut seen = vec![0; KNOWN.len()];
-    for case in sweeps.iter().flat_map(Sweep::steps).map(|(_, case)| case) {
-        for trial in try_all(&mut renderer, &case, ROWS) {
+    let steps: Vec<Case> = sweeps.iter().flat_map(Sweep::steps).map(|(_, case)| case).collect();
+    let judged = with_two_renderers(common::renderer, &steps, |renderer, case| {
+        let outcome = |trial: Trial| {
             let issue = known(&trial);
             let verdict = match (&trial.complaint, issue) {
                 (None, _) => "",
@@ -61,14 +62,17 @@ fn every_sweep_is_right_at_every_step() {
                 (Some(_), None) => "  FAILS",
             };
             println!("{:<58} {}{verdict}", trial.name(), row(&trial));
-            match (&trial.complaint, issue) {
-                (Some(_), Some(known)) => {
-                    let place = KNOWN.iter().position(|other| std::ptr::eq(other, known)).unwrap();
-                    seen[place] += 1;
-                }
-                (Some(complaint), None) => failures.push(format!("{}: {complaint}", trial.name())),
-                _ => {}
+            let name = trial.name();
+            trial.complaint.map(|complaint| (issue, format!("{name}: {complaint}")))
+        };
+        try_all(renderer, case, ROWS).into_iter().filter_map(outcome).collect::<Vec<_>>()
+    });
+    for (issue, complaint) in judged.unwrap_or_default().into_iter().flatten() {
+        match issue {
+            Some(known) => {
+                seen[KNOWN.iter().position(|other| std::ptr::eq(other, known)).unwrap()] += 1;
             }
+            None => failures.push(complaint),
         }
     }
     for (known, seen) in KNOWN.iter().zip(seen) {

@@ -1,5 +1,8 @@
 //! Every technique × every case × every setting, each held to its row of the table.
 
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use shadowgraph::cases::{Answer, Case, Expect};
 use shadowgraph::engine::shadow::{Setting, ShadowError, TechniqueEntry};
 use shadowgraph::measure::{
@@ -166,4 +169,32 @@ fn complaint_about(
         }
         _ => None,
     }
+}
+
+/// Asks `judge` about every item, two at a time, each with a renderer of its own: the answers in the order of the items.
+/// Most of a trial runs on one core, drawing and judging in turn. `None` where there is no adapter.
+pub(crate) fn with_two_renderers<T: Sync, R: Send>(
+    renderer: impl Fn() -> Option<Renderer>,
+    items: &[T],
+    judge: impl Fn(&mut Renderer, &T) -> R + Sync,
+) -> Option<Vec<R>> {
+    let renderers = [renderer()?, renderer()?];
+    let next = AtomicUsize::new(0);
+    let answers = Mutex::new(Vec::with_capacity(items.len()));
+    std::thread::scope(|scope| {
+        for mut renderer in renderers {
+            let (next, answers, judge) = (&next, &answers, &judge);
+            scope.spawn(move || {
+                loop {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(item) = items.get(index) else { break };
+                    let answer = judge(&mut renderer, item);
+                    answers.lock().unwrap().push((index, answer));
+                }
+            });
+        }
+    });
+    let mut answers = answers.into_inner().unwrap();
+    answers.sort_by_key(|(index, _)| *index);
+    Some(answers.into_iter().map(|(_, answer)| answer).collect())
 }
