@@ -125,6 +125,29 @@ fn without_casters_the_horizon_is_left() {
 }
 
 #[test]
+fn weight_and_apply_change_the_picture_and_no_factor() {
+    let factors = FrameRequest { factors: true, ..request() };
+    let of = |options: &[(&str, ParamValue)]| plan(&soft_yard(options), &factors);
+    let [full, weighted, darkened] = [
+        of(&[]),
+        of(&[("weight", ParamValue::Number(0.5))]),
+        of(&[("weight", ParamValue::Number(0.5)), ("apply", text("darken"))]),
+    ];
+    assert_ne!(full.to_string(), weighted.to_string());
+    assert_ne!(weighted.to_string(), darkened.to_string());
+    let factor = |plan: &FramePlan| {
+        let pass = plan.passes_named("factor of lamp").next().expect("it was asked for");
+        (pass.reason.clone(), pass.draws.len())
+    };
+    assert_eq!(factor(&full), factor(&weighted));
+    assert_eq!(factor(&full), factor(&darkened));
+    // Weighing an unsized light is no other than weighing a hard one.
+    let all = NO_SIZE.into_iter().chain([("weight", ParamValue::Number(0.5))]);
+    let hard = plan(&soft_yard(&all.collect::<Vec<_>>()), &request());
+    assert_ne!(hard.to_string(), plan(&soft_yard(&NO_SIZE), &request()).to_string());
+}
+
+#[test]
 fn what_it_refuses_it_names() {
     let number = ParamValue::Number;
     for (option, value, accepted) in [

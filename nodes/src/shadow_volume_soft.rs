@@ -75,6 +75,11 @@ impl ShadowTechnique for ShadowVolumeSoft {
     }
 
     fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+        match self.apply {
+            Apply::PerPixel if self.weight == 1.0 => {}
+            Apply::PerPixel => light.tint(self.weight, [0.0; 3]),
+            Apply::Darken => light.darken_picture(self.weight, [0.0; 3]),
+        }
         if !self.size().is_wide(light.light().position) {
             return self.hard().plan(light);
         }
