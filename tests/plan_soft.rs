@@ -68,7 +68,6 @@ fn sampled_marks_asks_and_keeps_what_does_not_move() {
         "pack soft edges of lamp",
         "pack soft triangles of lamp",
         "pack soft lists of lamp",
-        "pack soft centers of lamp",
         "mark what lamp may light partly",
         "soft shadow of lamp",
         "shading",

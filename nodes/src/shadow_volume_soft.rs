@@ -24,6 +24,7 @@ mod chain;
 mod gather;
 mod lists;
 mod options;
+mod packed;
 mod per_receiver;
 mod sampled;
 mod wedge;

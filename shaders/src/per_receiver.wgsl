@@ -93,7 +93,9 @@ fn covered(lists: Lists, r: Receiver, k: f32, disc: DiscView) -> f32 {
 
 // The share of the light's disc that is seen from the surface.
 @fragment
-fn per_receiver(@builtin(position) position: vec4f) -> @location(0) vec4f {
+fn per_receiver(in: SoftVaryings) -> @location(0) vec4f {
+    take_light(in);
+    let position = in.position;
     let pixel = vec2u(position.xy);
     let depth = textureLoad(receiver_depth, pixel, 0);
     let normal = textureLoad(receiver_normals, pixel, 0);

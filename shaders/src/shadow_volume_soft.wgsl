@@ -272,8 +272,9 @@ fn question_at(position: vec2f) -> Question {
 
 // Marks the pixels whose samples are to be asked one by one, so that adapters skip the others as they skip what is hidden.
 @fragment
-fn mark(@builtin(position) position: vec4f) -> @builtin(frag_depth) f32 {
-    if question_at(position.xy).lit {
+fn mark(in: SoftVaryings) -> @builtin(frag_depth) f32 {
+    take_light(in);
+    if question_at(in.position.xy).lit {
         discard;
     }
     return 1.0;
@@ -281,7 +282,9 @@ fn mark(@builtin(position) position: vec4f) -> @builtin(frag_depth) f32 {
 
 // The share of the light's samples that reach the surface.
 @fragment
-fn sampled(@builtin(position) position: vec4f) -> @location(0) vec4f {
+fn sampled(in: SoftVaryings) -> @location(0) vec4f {
+    take_light(in);
+    let position = in.position;
     let q = question_at(position.xy);
     let r = with_frame(q.r, position.xy, textureLoad(receiver_depth, vec2u(position.xy), 0));
     // Within the light, only the centre counts: a disc without extent.

@@ -5,15 +5,13 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use glam::DVec3;
 use shadowgraph_engine::math::Aabb;
-use shadowgraph_engine::plan::{
-    Binding, BlendState, BufferUsage, ColorTarget, CompareFunction, Draw, DrawState, Geometry, Load, Pass,
-    Shader, SlotId, TextureFormat,
-};
+use shadowgraph_engine::plan::{Binding, BufferUsage};
 use shadowgraph_engine::scene::Instance;
 use shadowgraph_engine::shadow::{LightPlan, ShadowError, hash_of};
 
 use super::chain::{CasterChain, LightBall, SoftEdge, SoftTriangle};
 use super::lists::{MAX_SLICES, SoftGrid, clusters};
+use super::packed::packed;
 use super::{Quality, ShadowVolumeSoft};
 use crate::GeometryMode;
 use crate::common::listed::{GridPlane, Layout};
@@ -52,7 +50,8 @@ pub(super) struct SoftHead {
     pub triangle_side: u32,
     pub triangle_lists: u32,
     pub slice_ends: [f32; MAX_SLICES],
-    pub planes: [GridPlane; 6],
+    pub center: [f32; 4],
+    pub plane: GridPlane,
 }
 
 /// Every structure of the shader as it is here: what the layout test compares.
@@ -63,7 +62,7 @@ pub fn layouts() -> [(&'static str, Layout); 2] {
     let cluster = fields!(SoftCluster: center, radius_m, first, end, caster, pad_0);
     let head = fields!(SoftHead:
         world_x, plane_count, world_y, side, world_z, slice_count, light, origin, radius,
-        near_clusters, cluster_count, triangle_side, triangle_lists, slice_ends, planes);
+        near_clusters, cluster_count, triangle_side, triangle_lists, slice_ends, center, plane);
     [("SoftCluster", (cluster, size_of::<SoftCluster>())), ("SoftHead", (head, size_of::<SoftHead>()))]
 }
 
@@ -74,7 +73,7 @@ const LARGEST_DISC: f64 = 1.154_700_538_379_252;
 /// What the shaders read of a light and its casters.
 #[derive(Default)]
 pub(super) struct Gathered {
-    /// Bindings 0 of the light, 1 to 5 of casters if there are any (edges, triangles, lists, clusters if needed, centres), 6
+    /// Bindings 0 of the light, 1 to 5 of casters if there are any (edges, triangles, lists, clusters if needed, centres if there are several), 6
     /// and 7 of receivers (depth, normals).
     pub(super) bindings: Vec<(u32, Binding)>,
     /// Whether some triangles are asked by themselves: clusters are bound then.
@@ -273,20 +272,15 @@ impl ShadowVolumeSoft {
                 )?;
                 bindings.push((binding, Binding::Texture(packed)));
             }
-            let eye = light.view.camera.world_from_view.translation;
-            let centers = chains.centers.iter().map(|center| (*center - eye).as_vec3());
-            let centers: Vec<[f32; 4]> =
-                centers.map(|center| center.extend(center.length()).to_array()).collect();
-            let centers = Arc::new(cast_slice(&centers).to_vec());
-            let slot = storage(
-                light,
-                "soft centers",
-                hash_of(&centers),
-                &centers,
-                "where casters are, as the eye sees them",
-            );
-            let packed = packed(light, &format!("soft centers of {name}"), slot, centers.len(), None)?;
-            bindings.push((5, Binding::Texture(packed)));
+            if chains.centers.len() > 1 {
+                let centers: Vec<[f32; 4]> =
+                    chains.centers.iter().map(|center| from_eye(light, *center)).collect();
+                let centers = Arc::new(cast_slice(&centers).to_vec());
+                let reason = "where casters are, as the eye sees them";
+                let slot = storage(light, "soft centers", hash_of(&centers), &centers, reason);
+                let packed = packed(light, &format!("soft centers of {name}"), slot, centers.len(), None)?;
+                bindings.push((5, Binding::Texture(packed)));
+            }
             gathered.clusters = chains.near_clusters > 0 || self.may_be_close(light);
             if gathered.clusters {
                 let reason = "triangles that receivers ask at the light";
@@ -317,28 +311,28 @@ impl ShadowVolumeSoft {
         let (rotation, eye) = (world_from_view.matrix3, world_from_view.translation);
         let short = |v: DVec3| v.as_vec3().to_array();
         let (size, position) = (self.size(), light.light().position);
-        let from_eye = position.truncate() - eye * position.w;
+        let to_light = position.truncate() - eye * position.w;
         let mut head = SoftHead {
             world_x: short(rotation.x_axis),
             world_y: short(rotation.y_axis),
             world_z: short(rotation.z_axis),
-            light: from_eye.extend(position.w).as_vec4().to_array(),
+            light: to_light.extend(position.w).as_vec4().to_array(),
             radius: if position.w == 0.0 { size.half_angle_rad.tan() } else { size.radius_m } as f32,
             slice_ends: [f32::MAX; MAX_SLICES],
             ..SoftHead::zeroed()
         };
         let Some(chains) = chains else { return head };
         let SoftGrid { planes, side, triangle_side, slice_ends, .. } = &chains.grid;
-        for (place, plane) in head.planes.iter_mut().zip(planes) {
-            *place = GridPlane {
-                x_axis: short(plane.x_axis),
-                y_axis: short(plane.y_axis),
-                z_axis: short(plane.z_axis),
-                z_offset: plane.z_offset as f32,
-                away: short(plane.away),
-                ..GridPlane::default()
-            };
-        }
+        head.center = from_eye(light, chains.centers[0]);
+        let plane = &planes[0];
+        head.plane = GridPlane {
+            x_axis: short(plane.x_axis),
+            y_axis: short(plane.y_axis),
+            z_axis: short(plane.z_axis),
+            z_offset: plane.z_offset as f32,
+            away: short(plane.away),
+            ..GridPlane::default()
+        };
         head.slice_ends.iter_mut().zip(slice_ends).for_each(|(place, end)| *place = *end as f32);
         SoftHead {
             plane_count: planes.len() as u32,
@@ -354,52 +348,10 @@ impl ShadowVolumeSoft {
     }
 }
 
-/// Texels along a row of packed words: see pack_words.wgsl.
-const PACKED_WIDTH: usize = 2048;
-/// The most rows of it, which every adapter has.
-const PACKED_ROWS: usize = 8192;
-
-/// A texture of the words in `buffer`, which has `bytes` bytes; kept between frames under `key`.
-fn packed(
-    light: &mut LightPlan<'_>,
-    name: &str,
-    buffer: SlotId,
-    bytes: usize,
-    key: Option<u64>,
-) -> Result<SlotId, ShadowError> {
-    let texels = bytes.div_ceil(16).max(1);
-    let size_px = [texels.min(PACKED_WIDTH), texels.div_ceil(PACKED_WIDTH)];
-    if size_px[1] > PACKED_ROWS {
-        let most = PACKED_WIDTH * PACKED_ROWS * 16;
-        return Err(light.unsupported(format!("'{name}' takes {bytes} bytes (accepted: up to {most})")));
-    }
-    let size_px = size_px.map(|size| size as u32);
-    let (format, reason) = (TextureFormat::Rgba32Uint, "looked up at every pixel, four words at once");
-    let slot = match key {
-        Some(key) => light.kept_texture(name, format, size_px, 1, key, reason),
-        None => light.texture(name, format, size_px, 1, reason),
-    };
-    let source = shadowgraph_shaders::compose_named("pack_words", &[]).unwrap_or_default();
-    light.pass(Pass {
-        name: format!("pack {name}"),
-        reason: "words to texels".into(),
-        colors: vec![ColorTarget { slot, layer: 0, load: Load::Clear([0.0; 4]), resolve: None }],
-        depth: None,
-        draws: vec![Draw {
-            name: format!("{texels} texels"),
-            shader: Some(Shader {
-                name: "pack_words".into(),
-                source: source.into(),
-                vertex: "fullscreen_vertex".into(),
-                fragment: Some("pack".into()),
-            }),
-            state: DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]),
-            geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-            bindings: vec![(0, Binding::Storage(buffer))],
-            scissor_px: None,
-        }],
-    });
-    Ok(slot)
+/// From the eye to `center`, and how far that is.
+fn from_eye(light: &LightPlan<'_>, center: DVec3) -> [f32; 4] {
+    let center = (center - light.view.camera.world_from_view.translation).as_vec3();
+    center.extend(center.length()).to_array()
 }
 
 impl Chains {

@@ -290,7 +290,7 @@ impl SoftGrid {
         let grid = LightGrid::from_planes(&self.planes, side);
         for number in 0..self.planes.len() {
             grid.for_each_cell_within(number, corners, CELL_MARGIN, |[x, y]| {
-                visit((number * side + y) * side + x)
+                visit((number * side + y) * side + x);
             });
         }
     }
@@ -329,7 +329,7 @@ const CLUSTER: usize = 16;
 pub(super) fn clusters(triangles: &[[DVec3; 3]]) -> (Vec<usize>, Vec<Cluster>) {
     let mut order: Vec<usize> = (0..triangles.len()).collect();
     let mut clusters = Vec::new();
-    let mut open = vec![0..triangles.len()];
+    let mut open = Vec::from([0..triangles.len()]);
     while let Some(range) = open.pop() {
         if range.is_empty() {
             continue;

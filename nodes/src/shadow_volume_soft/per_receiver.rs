@@ -40,7 +40,7 @@ impl ShadowVolumeSoft {
             depth: None,
             draws: vec![Draw {
                 name: format!("{edges} edges, {triangles} triangles"),
-                shader: Some(shader(casters > 0, clusters)),
+                shader: Some(shader(casters, clusters)),
                 state: DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]),
                 geometry: Geometry::Procedural { vertices: 3, instances: 1 },
                 bindings,
@@ -53,14 +53,14 @@ impl ShadowVolumeSoft {
 
 /// The shader, with casters and with clusters of them if there are any; its text is checked by a test, so composing it
 /// cannot fail.
-fn shader(casters: bool, clusters: bool) -> Shader {
-    let wanted = [("CASTERS", casters), ("CLUSTERS", clusters)];
+fn shader(casters: usize, clusters: bool) -> Shader {
+    let wanted = [("CASTERS", casters > 0), ("CLUSTERS", clusters), ("ONE_CASTER", casters == 1)];
     let flags: Vec<&str> = wanted.iter().filter(|(_, wanted)| *wanted).map(|(flag, _)| *flag).collect();
     let source = shadowgraph_shaders::compose_named("per_receiver", &flags).unwrap_or_default();
     Shader {
         name: format!("per_receiver {}", flags.join(" ")).into(),
         source: source.into(),
-        vertex: "fullscreen_vertex".into(),
+        vertex: "soft_vertex".into(),
         fragment: Some("per_receiver".into()),
     }
 }

@@ -26,6 +26,7 @@ impl ShadowVolumeSoft {
         let wanted = [
             ("CASTERS", casters > 0),
             ("CLUSTERS", clusters),
+            ("ONE_CASTER", casters == 1),
             ("DEEP", triangles >= 1 << 16),
             ("LONG_LISTS", longest_list > LONGEST_SEARCHED),
         ];
@@ -77,7 +78,7 @@ fn shader(samples: u32, flags: &[&str], fragment: &'static str) -> Shader {
     Shader {
         name: format!("shadow_volume_soft of {samples} samples {}", flags.join(" ")).into(),
         source: composed.unwrap_or_default().into(),
-        vertex: "fullscreen_vertex".into(),
+        vertex: "soft_vertex".into(),
         fragment: Some(fragment.into()),
     }
 }

@@ -4,7 +4,6 @@
 // unit disc is seen in the direction (k·x, k·y, 1), k the disc's radius over its distance.
 
 #import common/frame
-#import common/fullscreen
 
 // Triangles that lie together, and the sphere around them.
 struct SoftCluster {
@@ -54,10 +53,83 @@ struct SoftHead {
     triangle_lists: u32,
     // Where slices end, as distances from the light, or along its direction from the planes' origin.
     slice_ends: array<vec4f, 2>,
-    planes: array<GridPlane, 6>,
+    // From the eye to the middle of the only caster's bounds, and how far that is.
+    center: vec4f,
+    // The plane, where there is one.
+    plane: GridPlane,
 }
 
-@group(1) @binding(0) var<storage, read> soft: SoftHead;
+@group(1) @binding(0) var<storage, read> soft_head: SoftHead;
+// Its copy, from the vertices: software adapters read storage word by word and pixel by pixel.
+var<private> soft: SoftHead;
+
+struct SoftVaryings {
+    @builtin(position) position: vec4f,
+    @location(0) @interpolate(flat, first) world_x: vec3f,
+    @location(1) @interpolate(flat, first) world_y: vec3f,
+    @location(2) @interpolate(flat, first) world_z: vec3f,
+    @location(3) @interpolate(flat, first) light: vec4f,
+    @location(4) @interpolate(flat, first) origin: vec4f,
+    @location(5) @interpolate(flat, first) grid: vec4u,
+    @location(6) @interpolate(flat, first) lists: vec4u,
+    @location(7) @interpolate(flat, first) low_slices: vec4f,
+    @location(8) @interpolate(flat, first) high_slices: vec4f,
+    @location(9) @interpolate(flat, first) plane_x: vec3f,
+    @location(10) @interpolate(flat, first) plane_y: vec3f,
+    @location(11) @interpolate(flat, first) plane_z: vec4f,
+    @location(12) @interpolate(flat, first) away: vec3f,
+    @location(13) @interpolate(flat, first) center: vec4f,
+}
+
+// One triangle that covers the whole target, with what every pixel needs to know of the light.
+@vertex
+fn soft_vertex(@builtin(vertex_index) index: u32) -> SoftVaryings {
+    let s = soft_head;
+    var out: SoftVaryings;
+    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));
+    out.position = vec4f(corner * 2.0 - 1.0, 0.0, 1.0);
+    out.world_x = s.world_x;
+    out.world_y = s.world_y;
+    out.world_z = s.world_z;
+    out.light = s.light;
+    out.origin = vec4f(s.origin, s.radius);
+    out.grid = vec4u(s.plane_count, s.side, s.slice_count, s.triangle_side);
+    out.lists = vec4u(s.near_clusters, s.cluster_count, s.triangle_lists, 0u);
+    out.low_slices = s.slice_ends[0];
+    out.high_slices = s.slice_ends[1];
+    out.plane_x = s.plane.x_axis;
+    out.plane_y = s.plane.y_axis;
+    out.plane_z = vec4f(s.plane.z_axis, s.plane.z_offset);
+    out.away = s.plane.away;
+    out.center = s.center;
+    return out;
+}
+
+// What a fragment entry point begins with.
+fn take_light(in: SoftVaryings) {
+    soft.world_x = in.world_x;
+    soft.world_y = in.world_y;
+    soft.world_z = in.world_z;
+    soft.light = in.light;
+    soft.origin = in.origin.xyz;
+    soft.radius = in.origin.w;
+    soft.plane_count = in.grid.x;
+    soft.side = in.grid.y;
+    soft.slice_count = in.grid.z;
+    soft.triangle_side = in.grid.w;
+    soft.near_clusters = in.lists.x;
+    soft.cluster_count = in.lists.y;
+    soft.triangle_lists = in.lists.z;
+    soft.slice_ends[0] = in.low_slices;
+    soft.slice_ends[1] = in.high_slices;
+    soft.plane.x_axis = in.plane_x;
+    soft.plane.y_axis = in.plane_y;
+    soft.plane.z_axis = in.plane_z.xyz;
+    soft.plane.z_offset = in.plane_z.w;
+    soft.plane.away = in.away;
+    soft.center = in.center;
+}
+
 #if CASTERS
 // What follows is packed: texel i of it is at (i % 2048, i / 2048).
 //
@@ -76,8 +148,11 @@ struct SoftHead {
 // Words: for each cell, plane by plane, slice by slice and row by row, where the numbers of its edges begin, and where the
 // last ones end; the same of triangles, without slices; then these numbers.
 @group(1) @binding(3) var soft_lists: texture_2d<u32>;
+#if ONE_CASTER
+#else
 // From the eye to the middle of each caster's bounds, and how far that is.
 @group(1) @binding(5) var soft_centers: texture_2d<u32>;
+#endif
 #if CLUSTERS
 @group(1) @binding(4) var<storage, read> soft_clusters: array<SoftCluster>;
 #endif
@@ -160,7 +235,11 @@ fn list_word(place: u32) -> u32 {
 }
 
 fn center_of(caster: u32) -> vec4f {
+#if ONE_CASTER
+    return soft.center;
+#else
     return bitcast<vec4f>(packed(soft_centers, caster));
+#endif
 }
 
 // Part of the lists.
@@ -191,11 +270,14 @@ fn cell_of(r: Receiver) -> Cell {
     let second = size.y > size.x;
     let third = size.z > max(size.x, size.y);
     let axis = select(select(0u, 1u, second), 2u, third);
-    let along = select(select(d.x, d.y, second), d.z, third);
-    let plane = select(0u, axis * 2u + select(0u, 1u, along < 0.0), soft.plane_count > 1u);
-    let z = dot(soft.planes[plane].z_axis, d) + soft.planes[plane].z_offset;
-    let xy = vec2f(dot(soft.planes[plane].x_axis, d), dot(soft.planes[plane].y_axis, d));
-    return Cell(z > 0.0 && all(abs(xy) <= vec2f(z * 1.00001)), plane, xy / z * 0.5 + 0.5);
+    // Away from the light first, then as the cube's faces have across and up.
+    let on_face = select(select(d.xyz, d.yzx, second), d.zxy, third);
+    let face = axis * 2u + select(0u, 1u, on_face.x < 0.0);
+    let in_plane = vec3f(dot(soft.plane.z_axis, d) + soft.plane.z_offset, dot(soft.plane.x_axis, d), dot(soft.plane.y_axis, d));
+    let six = soft.plane_count > 1u;
+    let seen = select(in_plane, vec3f(abs(on_face.x), on_face.yz), six);
+    let inside = seen.x > 0.0 && all(abs(seen.yz) <= vec2f(seen.x * 1.00001));
+    return Cell(inside, select(0u, face, six), seen.yz / seen.x * 0.5 + 0.5);
 }
 
 fn cell_number(cell: Cell, layer: u32, side: u32) -> u32 {
@@ -213,7 +295,7 @@ fn lists_of(r: Receiver) -> Lists {
     if !cell.inside {
         return Lists(none, none, soft.near_clusters);
     }
-    let along = select(dot(soft.planes[0].away, r.p - soft.origin), r.light_distance, soft.light.w > 0.0);
+    let along = select(dot(soft.plane.away, r.p - soft.origin), r.light_distance, soft.light.w > 0.0);
     let before = vec4u(vec4f(along) > soft.slice_ends[0]) + vec4u(vec4f(along) > soft.slice_ends[1]);
     let slice = min(before.x + before.y + before.z + before.w, soft.slice_count - 1u);
     let edges = cell_number(cell, cell.plane * soft.slice_count + slice, soft.side);
