@@ -116,6 +116,11 @@ impl ShadowTechnique for TransparentShadow {
             sum => sums::add_up(light, &glass, sum)?,
         }
         cast_panes(light);
+        if self.self_shadow != SelfShadow::None {
+            light.note(
+                "selfShadow is not there yet: transparent surfaces are lit without shadows, as with selfShadow=none",
+            );
+        }
         Ok(())
     }
 }
