@@ -329,7 +329,8 @@ const CLUSTER: usize = 16;
 pub(super) fn clusters(triangles: &[[DVec3; 3]]) -> (Vec<usize>, Vec<Cluster>) {
     let mut order: Vec<usize> = (0..triangles.len()).collect();
     let mut clusters = Vec::new();
-    let mut open = Vec::from([0..triangles.len()]);
+    let mut open = Vec::new();
+    open.push(0..triangles.len());
     while let Some(range) = open.pop() {
         if range.is_empty() {
             continue;
