@@ -1,12 +1,12 @@
 //! Every technique × every case × every setting, each held to its row of the table.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use shadowgraph::cases::{Answer, Case, Expect};
 use shadowgraph::engine::shadow::{Setting, ShadowError, TechniqueEntry};
 use shadowgraph::measure::{
-    ErrorTable, EvaluateError, Evaluation, KnownReferences, LightError, evaluate_again,
+    ErrorTable, EvaluateError, Evaluation, KnownReferences, LightError, evaluate_again, queries_with,
 };
 use shadowgraph::prelude::*;
 
@@ -40,9 +40,26 @@ pub(crate) fn try_all(renderer: &mut Renderer, case: &Case, rows: &[Row]) -> Vec
     let mut references = KnownReferences::with_samples(WHOLE_LIGHT_SAMPLES);
     let entries: Vec<TechniqueEntry> = renderer.catalog().entries().to_vec();
     let settings = entries.iter().flat_map(|entry| entry.all_settings().map(move |setting| (entry, setting)));
-    settings
-        .map(|(entry, setting)| try_one(renderer, case, (entry, setting), rows, &mut references))
-        .collect()
+    let mut trials = Vec::new();
+    for (entry, setting) in settings {
+        trials.push(try_one(renderer, case, (entry, setting), rows, &mut references, &trials));
+    }
+    trials
+}
+
+/// What an earlier trial found by the very plan that `scene` has, asked the same questions: most settings change nothing on
+/// most cases, and the same passes over the same scene give the same factors.
+fn found_already(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    request: &FrameRequest,
+    trials: &[Trial],
+) -> Option<Evaluation> {
+    let plan = renderer.plan(scene, &FrameRequest { factors: true, ..request.clone() }).ok()?;
+    let (_, registry) = renderer.posed(scene).ok()?;
+    let queries = queries_with(&registry, WHOLE_LIGHT_SAMPLES);
+    let mut found = trials.iter().filter_map(|trial| trial.evaluation.as_ref());
+    found.find(|earlier| earlier.queries == queries && *earlier.frame.plan == plan).cloned()
 }
 
 fn try_one(
@@ -51,6 +68,7 @@ fn try_one(
     (entry, setting): (&TechniqueEntry, Setting),
     rows: &[Row],
     references: &mut KnownReferences,
+    trials: &[Trial],
 ) -> Trial {
     let mut trial = Trial {
         technique: entry.type_name,
@@ -74,7 +92,10 @@ fn try_one(
     };
     let receivers_only = (entry.from_params)(&(setting.params)()).is_ok_and(|t| t.shades_receivers_only());
     let request = case.request();
-    let result = evaluate_again(renderer, &scene, &request, references, &|_, _| {});
+    let result = match found_already(renderer, &scene, &request, trials) {
+        Some(evaluation) => Ok(evaluation),
+        None => evaluate_again(renderer, &scene, &request, references, &|_, _| {}),
+    };
     trial.accepted = result.is_ok();
     trial.complaint = complaint(case, &result, row, receivers_only).map(|complaint| match setting.name {
         "default" => complaint,
@@ -189,12 +210,12 @@ pub(crate) fn with_two_renderers<T: Sync, R: Send>(
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(item) = items.get(index) else { break };
                     let answer = judge(&mut renderer, item);
-                    answers.lock().unwrap().push((index, answer));
+                    answers.lock().unwrap_or_else(PoisonError::into_inner).push((index, answer));
                 }
             });
         }
     });
-    let mut answers = answers.into_inner().unwrap();
+    let mut answers = answers.into_inner().unwrap_or_else(PoisonError::into_inner);
     answers.sort_by_key(|(index, _)| *index);
     Some(answers.into_iter().map(|(_, answer)| answer).collect())
 }
