@@ -155,12 +155,9 @@ fn a_shifted_mask() {
         |_| {
             broken(ShadowVolumeHard::default(), |draw| {
                 let Some(shader) = &mut draw.shader else { return };
-                let parameters =
-                    "(@builtin(vertex_index) index: u32, @builtin(instance_index) volume_index: u32)";
-                let (entry, bare) = (
-                    format!("@vertex\nfn vertex{parameters}"),
-                    "fn unshifted(index: u32, volume_index: u32)",
-                );
+                let parameters = "(@builtin(vertex_index) index: u32, @builtin(instance_index) volume: u32)";
+                let (entry, bare) =
+                    (format!("@vertex\nfn vertex{parameters}"), "fn unshifted(index: u32, volume: u32)");
                 if shader.vertex != "vertex" {
                     return;
                 }
@@ -168,7 +165,7 @@ fn a_shifted_mask() {
                 assert_ne!(*helper, *shader.source, "nothing is shifted");
                 let pixel = "vec4f(v.clip.w * 2.0 / 256.0, 0.0, 0.0, 0.0)";
                 let shifted = format!(
-                    "{helper}\n{entry} -> Varyings {{\n  let v = unshifted(index, volume_index);\n  \
+                    "{helper}\n{entry} -> Varyings {{\n  let v = unshifted(index, volume);\n  \
                      return Varyings(v.clip + {pixel});\n}}\n"
                 );
                 shader.source = shifted.into();
