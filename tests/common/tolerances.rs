@@ -137,6 +137,9 @@ const fn half_sums(rmse: f64) -> Tolerance {
     Tolerance::Within(Bound { leak_share: 0.0, false_share: 0.0, rmse, penumbra_rmse: rmse, max: 0.4, why })
 }
 
+/// Techniques whose settings other than the default are tried on every third case, so that all of it ends in time.
+pub(crate) const THINNED: &[&str] = &[SOFT, PLANAR, TRANSPARENT];
+
 /// The built-in techniques.
 pub(crate) const ROWS: &[Row] = &[
     exact(HARD, "default"),
