@@ -13,7 +13,7 @@ mod common;
 use std::collections::BTreeMap;
 
 use common::conformance::{Trial, is_thinned, try_all, with_two_renderers};
-use common::tolerances::ROWS;
+use common::tolerances::{KNOWN_ON_CASES, ROWS};
 use shadowgraph::cases::{self, Case, sweeps};
 use shadowgraph::measure::{ReferenceShadow, pictures};
 use shadowgraph::prelude::*;
@@ -50,7 +50,12 @@ fn every_technique_does_on_every_case_what_it_declares() {
             if let Some(folder) = std::env::var_os("DUMP") {
                 dump(trial, std::path::Path::new(&folder));
             }
-            let complaint = trial.complaint.as_ref().map(|complaint| {
+            let is_known = KNOWN_ON_CASES.iter().any(|known| {
+                known.technique == trial.technique
+                    && known.settings.contains(&trial.setting)
+                    && known.cases.contains(&trial.case.as_str())
+            });
+            let complaint = trial.complaint.as_ref().filter(|_| !is_known).map(|complaint| {
                 if let (Some(evaluation), false) = (&trial.evaluation, filter.is_empty()) {
                     println!("{}", evaluation.frame.plan);
                 }
