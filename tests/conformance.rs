@@ -12,10 +12,10 @@ mod common;
 
 use std::collections::BTreeMap;
 
-use common::conformance::{Trial, is_thinned, try_all, with_two_renderers};
+use common::conformance::{Trial, dump, is_thinned, try_all, with_two_renderers};
 use common::tolerances::{KNOWN_ON_CASES, ROWS};
 use shadowgraph::cases::{self, Case, sweeps};
-use shadowgraph::measure::{ReferenceShadow, pictures};
+use shadowgraph::measure::ReferenceShadow;
 use shadowgraph::prelude::*;
 
 /// The built-in techniques, the reference among them.
@@ -23,17 +23,6 @@ fn renderer() -> Option<Renderer> {
     let mut catalog = shadowgraph_nodes::catalog();
     catalog.register(ReferenceShadow::ENTRY);
     Some(Renderer::new(common::renderer()?.gpu().clone(), catalog))
-}
-
-/// Writes the error maps of a trial, for looking at.
-fn dump(trial: &Trial, folder: &std::path::Path) {
-    let Some(evaluation) = &trial.evaluation else { return };
-    std::fs::create_dir_all(folder).unwrap();
-    for (light, _) in &evaluation.measured.lights {
-        let name = format!("{}-{}-{}-{light}.png", trial.case, trial.technique, trial.setting);
-        let path = folder.join(name.replace('/', "_"));
-        pictures::write_error_map(&path, &evaluation.measured, &evaluation.reference, light).unwrap();
-    }
 }
 
 #[test]
@@ -47,9 +36,7 @@ fn every_technique_does_on_every_case_what_it_declares() {
     let judged = with_two_renderers(renderer, &cases, |renderer, case| {
         let trials = try_all(renderer, case, ROWS);
         let outcome = |trial: &Trial| {
-            if let Some(folder) = std::env::var_os("DUMP") {
-                dump(trial, std::path::Path::new(&folder));
-            }
+            dump(trial);
             let is_known = KNOWN_ON_CASES.iter().any(|known| {
                 known.technique == trial.technique
                     && known.settings.contains(&trial.setting)

@@ -105,12 +105,21 @@ struct Yard {
 
 impl Yard {
     fn new(node: SoftShadow) -> Self {
+        let mut yard = Self::unshadowed();
+        yard.shadow(node, &[yard.floor]);
+        yard
+    }
+
+    fn unshadowed() -> Self {
         let mut scene = common::with_floor();
         let body = common::add_box(&mut scene, "crate", common::at(0.0, 1.5, 0.0));
         let lamp = common::add_lamp(&mut scene, "lamp");
         let floor = scene.nodes().find(|(_, node)| node.name == "floor").unwrap().0;
-        scene.add_shadow("shadows", ShadowNode::from(node).with_receivers([floor]));
         Self { scene, floor, body, lamp }
+    }
+
+    fn shadow(&mut self, node: SoftShadow, receivers: &[NodeKey]) {
+        self.scene.add_shadow("shadows", ShadowNode::from(node).with_receivers(receivers.iter().copied()));
     }
 
     fn shift(&mut self, node: NodeKey) {
@@ -267,5 +276,61 @@ fn the_horizon_cuts_the_light() {
             "{}",
             ErrorTable(&judged.errors)
         );
+    }
+}
+
+#[test]
+fn where_receivers_lie_on_each_other_a_pixel_is_darkened_once() {
+    let Some(mut renderer) = renderer() else { return };
+    let camera = common::camera(DVec3::new(3.0, 5.0, 6.0), DVec3::ZERO);
+    let request = FrameRequest { factors: true, ..FrameRequest::new(camera, [160, 120]) };
+    for mode in [PlanarMode::Direct, PlanarMode::Texture] {
+        let mut draw = |floors: usize| {
+            let mut yard = Yard::unshadowed();
+            let mut receivers = vec![yard.floor];
+            for _ in 1..floors {
+                let again = yard.scene.add_mesh(
+                    common::quad("floor again", 10.0),
+                    Material::default(),
+                    DAffine3::IDENTITY,
+                );
+                if let Content::Mesh(mesh) = &mut yard.scene.node_mut(again).unwrap().content {
+                    mesh.shadow.casts = false;
+                }
+                receivers.push(again);
+            }
+            yard.shadow(SoftShadow { mode, ..TEXTURE }, &receivers);
+            let frame = renderer.render(&yard.scene, &request, &RenderOptions::default()).unwrap();
+            frame.factors[0].pixels.floats().unwrap()
+        };
+        let (one, two) = (draw(1), draw(2));
+        assert!(one.iter().any(|factor| *factor > 0.1 && *factor < 0.9), "{mode:?}: a penumbra");
+        let farthest = one.iter().zip(&two).map(|(one, two)| (one - two).abs()).fold(0.0, f32::max);
+        assert!(farthest == 0.0, "{mode:?}: {farthest}");
+    }
+}
+
+#[test]
+fn what_faces_away_is_dark_beside_what_the_horizon_cuts() {
+    let Some(mut renderer) = renderer() else { return };
+    for mode in [PlanarMode::Direct, PlanarMode::Texture] {
+        let mut yard = Yard::unshadowed();
+        // The lamp is cut by the floor's plane, and behind the wall's.
+        yard.scene.node_mut(yard.lamp).unwrap().parent_from_local.translation = DVec3::new(0.5, 0.05, -3.5);
+        let place = DAffine3::from_rotation_translation(
+            DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2),
+            DVec3::new(0.0, 0.0, -1.0),
+        );
+        let wall = yard.scene.add_mesh(common::quad("wall", 1.0), Material::default(), place);
+        yard.shadow(SoftShadow { mode, ..TEXTURE }, &[yard.floor, wall]);
+        let camera = common::camera(DVec3::new(1.0, 2.0, 5.0), DVec3::new(0.0, 0.3, -1.0));
+        let request = FrameRequest { factors: true, ..FrameRequest::new(camera, [128, 96]) };
+        let frame = renderer.render(&yard.scene, &request, &RenderOptions::default()).unwrap();
+        let factors = frame.factors[0].pixels.floats().unwrap();
+        // The floor is instance 0, the crate 1.
+        let seen = frame.visible_triangles.unwrap();
+        let on_wall = seen.iter().zip(&factors).filter(|(id, _)| id[0] == 2);
+        assert!(on_wall.clone().count() > 300, "{}", on_wall.clone().count());
+        assert_eq!(on_wall.filter(|(_, factor)| **factor != 0.0).count(), 0, "{mode:?}");
     }
 }

@@ -26,7 +26,7 @@ const USED: &[(&str, &[&str], &[&str])] = &[
     ),
     (
         "soft_shadow",
-        &["BASE_COLOR_TEXTURE", "MASKED", "RECEIVER", "SECOND_UV"],
+        &["BASE_COLOR_TEXTURE", "MASKED", "OVERLAPS", "RECEIVER", "SECOND_UV"],
         &[
             "receiver if RECEIVER",
             "mark_receiver if RECEIVER",

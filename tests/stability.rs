@@ -1,14 +1,14 @@
 //! Sweeps: one thing of a scene goes from harmless to extreme, and nothing may be wrong on the way.
 //!
 //! Every step is judged as a hard case is, for every technique and setting; each prints a row. `CASE=part-of-a-name` runs
-//! the sweeps so called.
+//! the sweeps so called; `DUMP=folder` writes error maps.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "rows of measurements are what a reader of the log is after")]
 
 mod common;
 
-use common::conformance::{Trial, try_all, with_two_renderers};
+use common::conformance::{Trial, dump, try_all, with_two_renderers};
 use common::tolerances::{KNOWN, Known, ROWS};
 use shadowgraph::cases::Case;
 use shadowgraph::cases::sweeps::{self, Sweep};
@@ -55,6 +55,7 @@ fn every_sweep_is_right_at_every_step() {
     let steps: Vec<Case> = sweeps.iter().flat_map(Sweep::steps).map(|(_, case)| case).collect();
     let judged = with_two_renderers(common::renderer, &steps, |renderer, case| {
         let outcome = |trial: Trial| {
+            dump(&trial);
             let issue = known(&trial);
             let verdict = match (&trial.complaint, issue) {
                 (None, _) => "",

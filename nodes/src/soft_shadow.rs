@@ -19,7 +19,8 @@
 //! Which side of the plane is lit is decided by the eye: what is seen is the side it is on. Points of the light on the
 //! other side are dark there.
 //!
-//! This file says what is drawn; `options` how it is asked for, `receivers` where, `casters` what, `points` from where.
+//! This file says what is drawn; `options` how it is asked for, `receivers` where, `casters` what, `points` from where, and
+//! `overlap` whether a receiver has places that more than one of its triangles covers.
 //!
 //! *Limits.* `samples` points give steps in penumbrae, and an error that falls about as samples^-0.8. Rasterisation
 //! snaps vertices to 1/256 pixel. A caster within the light's own sphere is before some points of the ball that are
@@ -30,6 +31,7 @@ mod canvas;
 mod casters;
 mod draws;
 mod options;
+mod overlap;
 mod points;
 mod receivers;
 
@@ -90,7 +92,7 @@ impl ShadowTechnique for SoftShadow {
             light.decides_own_shadow();
         }
         for (receiver, lit) in receivers.iter().zip(&lit) {
-            if cut || lit.heights.iter().any(|height| *height > 0.0) {
+            if cut || !lit.is_dark() {
                 self.shade(light, receiver, lit);
             }
         }
@@ -116,6 +118,11 @@ impl Lit {
         Self { points, heights }
     }
 
+    /// Whether all of the light is under the plane.
+    fn is_dark(&self) -> bool {
+        self.heights.iter().all(|height| *height <= 0.0)
+    }
+
     /// Whether the plane cuts the light.
     fn is_cut(&self) -> bool {
         let above = self.heights.iter().filter(|height| **height > 0.0).count();
@@ -126,7 +133,8 @@ impl Lit {
 impl SoftShadow {
     /// The shadow on one plane.
     fn shade(&self, light: &mut LightPlan<'_>, receiver: &Receiver, lit: &Lit) {
-        let in_picture = self.mode == PlanarMode::Direct;
+        // Of what is dark as a whole there is nothing to keep.
+        let in_picture = self.mode == PlanarMode::Direct || lit.is_dark();
         let casters = Casters::of(light, receiver, &lit.points, in_picture);
         if casters.batches.is_empty() && lit.heights.iter().all(|height| *height > 0.0) {
             return;

@@ -34,6 +34,10 @@ struct PlanarLight {
 }
 
 @group(1) @binding(5) var<storage, read> light: PlanarLight;
+#if OVERLAPS
+// The instance and the triangle that every pixel shows.
+@group(1) @binding(8) var visible_triangles: texture_2d<u32>;
+#endif
 
 struct Varyings {
     @builtin(position) @invariant clip: vec4f,
@@ -41,6 +45,9 @@ struct Varyings {
 #if MASKED
     @location(1) uvs: Uvs,
     @location(2) alpha: f32,
+#endif
+#if OVERLAPS
+    @location(3) @interpolate(flat, first) triangle: vec2u,
 #endif
 }
 
@@ -55,7 +62,22 @@ fn receiver(@builtin(vertex_index) corner: u32, @builtin(instance_index) instanc
     out.uvs = vertex_uvs(vertex);
     out.alpha = vertex_alpha(vertex);
 #endif
+#if OVERLAPS
+    out.triangle = vec2u(instance, corner / 3u);
+#endif
     return out;
+}
+
+// Whether a fragment is none of the receiver: in a hole, or of a triangle on which another lies that is seen.
+fn is_left_out(in: Varyings) -> bool {
+    var left_out = false;
+#if MASKED
+    left_out = has_hole(in.uvs, in.alpha);
+#endif
+#if OVERLAPS
+    left_out = left_out || any(textureLoad(visible_triangles, vec2u(in.clip.xy), 0).xy != in.triangle);
+#endif
+    return left_out;
 }
 
 // Where the receiver is hidden, nothing need be drawn. Spared work only: what is taken to be seen here and is not is
@@ -117,11 +139,9 @@ fn share_at(p: vec3f, pixel: vec2u) -> f32 {
 
 @fragment
 fn share(in: Varyings) -> @location(0) vec4f {
-#if MASKED
-    if has_hole(in.uvs, in.alpha) {
+    if is_left_out(in) {
         discard;
     }
-#endif
     return vec4f(share_at(in.p_in_view, vec2u(in.clip.xy)));
 }
 
@@ -146,11 +166,9 @@ struct PlanarTexture {
 
 @fragment
 fn share_from_texture(in: Varyings) -> @location(0) vec4f {
-#if MASKED
-    if has_hole(in.uvs, in.alpha) {
+    if is_left_out(in) {
         discard;
     }
-#endif
     let p = in.p_in_view;
     let texel = vec2f(dot(p, place.x_axis) + place.x_offset, dot(p, place.y_axis) + place.y_offset) - 0.5;
     let last = vec2f(textureDimensions(shares)) - 1.0;

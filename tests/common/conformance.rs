@@ -6,7 +6,8 @@ use std::sync::{Mutex, PoisonError};
 use shadowgraph::cases::{Answer, Case, Expect};
 use shadowgraph::engine::shadow::{Setting, ShadowError, TechniqueEntry};
 use shadowgraph::measure::{
-    ErrorTable, EvaluateError, Evaluation, KnownReferences, LightError, evaluate_again, queries_with,
+    ErrorTable, EvaluateError, Evaluation, KnownReferences, LightError, evaluate_again, pictures,
+    queries_with,
 };
 use shadowgraph::prelude::*;
 
@@ -207,6 +208,18 @@ fn complaint_about(
             Some(format!("{name}: a shadow where none is expected"))
         }
         _ => None,
+    }
+}
+
+/// Writes the error maps of a trial into the folder `DUMP`, where it is set, for looking at.
+pub(crate) fn dump(trial: &Trial) {
+    let (Some(evaluation), Some(folder)) = (&trial.evaluation, std::env::var_os("DUMP")) else { return };
+    let folder = std::path::Path::new(&folder);
+    std::fs::create_dir_all(folder).unwrap();
+    for (light, _) in &evaluation.measured.lights {
+        let name = format!("{}-{}-{}-{light}.png", trial.case, trial.technique, trial.setting);
+        let path = folder.join(name.replace('/', "_"));
+        pictures::write_error_map(&path, &evaluation.measured, &evaluation.reference, light).unwrap();
     }
 }
 

@@ -5,13 +5,15 @@ use shadowgraph_engine::plan::{
     DepthTarget, Draw, DrawState, Geometry, Load, MULTIPLY, Pass, Shader, SlotId, Stencil, StencilFaceState,
     StencilOperation, SurfaceStyle, TextureFormat,
 };
-use shadowgraph_engine::shadow::{Channels, LightPlan};
+use shadowgraph_engine::shadow::{Channels, LightPlan, hash_of};
 
 use super::canvas::Canvas;
 use super::casters::{Batch, Casters};
 use super::receivers::Receiver;
 use super::{Lit, POINTS_OF_A_LAYER};
 
+/// Where the shader finds which triangle is seen.
+const VISIBLE_TRIANGLES: u32 = 8;
 /// What marks a receiver's pixels before any point does. Points count down from here.
 const RECEIVER: u8 = 255;
 
@@ -122,7 +124,15 @@ fn shade(
     reason: &str,
 ) {
     let state = DrawState::new(CompareFunction::Equal, vec![Some(MULTIPLY)]);
-    let draws = receiver_draws(light, receiver, fragment, bindings, &state);
+    let poses = receiver.instances.iter().map(|index| light.posed.instances[*index].pose_key);
+    let key = hash_of(("overlaps", poses.collect::<Vec<_>>()));
+    let posed = light.posed;
+    let overlaps = *light.cache.get_or_compute("overlaps", key, || receiver.overlaps_itself(posed));
+    let mut bindings = bindings.to_vec();
+    if overlaps {
+        bindings.push((VISIBLE_TRIANGLES, Binding::Texture(light.visible_triangles())));
+    }
+    let draws = receiver_draws(light, receiver, fragment, &bindings, &state);
     let target = light.multiply_visibility(Channels::One);
     light.pass(Pass {
         name: format!("share of {} on {}", light.light().name, receiver.name),
@@ -173,6 +183,7 @@ fn receiver_draws(
             }
         }
     }
+    let asks_triangle = bindings.iter().any(|(number, _)| *number == VISIBLE_TRIANGLES);
     let draw = |(masked, parts, vertices): Run| {
         let (style, flags): (_, &[&str]) = if masked {
             // A mask without a texture reads a white one: no variant of its own.
@@ -180,6 +191,8 @@ fn receiver_draws(
         } else {
             (SurfaceStyle::Pulled, &["RECEIVER"])
         };
+        let once: &[&str] = if asks_triangle { &["OVERLAPS"] } else { &[] };
+        let flags = &[flags, once].concat();
         Draw {
             name: receiver.name.clone(),
             shader: Some(shader(flags, "receiver", fragment)),
