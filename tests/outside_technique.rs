@@ -351,7 +351,7 @@ const ROWS: &[Row] = &[
         technique: "DiscShadow",
         setting: "default",
         owes: Tolerance::Refused,
-        except: &[(
+        except: &[&[(
             "discs",
             Tolerance::Within(Bound {
                 leak_share: 1e-4,
@@ -361,14 +361,14 @@ const ROWS: &[Row] = &[
                 max: 1.0,
                 why: "depth buffers round the receiver",
             }),
-        )],
+        )]],
         accepts_at_least: 1,
     },
     Row {
         technique: "DiscShadow",
         setting: "soft rim",
         owes: Tolerance::Refused,
-        except: &[(
+        except: &[&[(
             "discs",
             Tolerance::Within(Bound {
                 leak_share: 1e-3,
@@ -378,7 +378,7 @@ const ROWS: &[Row] = &[
                 max: 1.0,
                 why: "no light fades at a rim like this",
             }),
-        )],
+        )]],
         accepts_at_least: 1,
     },
 ];
