@@ -70,24 +70,30 @@ impl LightGrid {
     /// For each plane the triangle may be seen on: its number, and the cells of the footprint's bounding rectangle.
     pub fn cells_of(&self, corners: [DVec3; 3]) -> impl Iterator<Item = (usize, CellRange)> + use<'_> {
         let planes = self.planes.iter().enumerate();
-        planes.filter_map(move |(i, plane)| Some((i, self.rectangle(&plane.project(corners), CELL_MARGIN)?)))
+        planes.filter_map(move |(i, plane)| {
+            Some((i, self.rectangle(&plane.project(corners, 0.0), CELL_MARGIN)?))
+        })
     }
 
     /// Calls `visit` with (column, row) of every cell of plane number `plane` that the triangle may be seen in: those
     /// of its bounding rectangle that none of its edges leaves outside.
     pub fn for_each_cell(&self, plane: usize, corners: [DVec3; 3], visit: impl FnMut([usize; 2])) {
-        self.for_each_cell_within(plane, corners, CELL_MARGIN, visit);
+        self.for_each_cell_within(plane, corners, CELL_MARGIN, 0.0, visit);
     }
 
-    /// The same with the triangle's footprint enlarged by `margin` of a cell.
+    /// The same with the triangle's footprint enlarged by `margin` of a cell, and by as much as the triangle may be elsewhere,
+    /// in metres.
     pub fn for_each_cell_within(
         &self,
         plane: usize,
         corners: [DVec3; 3],
         margin: f64,
+        elsewhere_m: f64,
         mut visit: impl FnMut([usize; 2]),
     ) {
-        let footprint = self.planes[plane].project(corners);
+        let margin =
+            margin + self.planes[plane].shift(corners, elsewhere_m) * 0.5 * self.cells_per_side as f64;
+        let footprint = self.planes[plane].project(corners, elsewhere_m);
         let Some(CellRange { low, high }) = self.rectangle(&footprint, margin) else { return };
         let edges = match footprint {
             Footprint::Triangle(projected) => self.edges(projected, margin),
@@ -150,15 +156,16 @@ enum Footprint {
 /// d = point − origin, and the part in view is |x|, |y| ≤ 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightPlane {
-    /// Where it looks from; for a directional light the middle of the casters.
+    /// What places are taken from: where it looks from; for a directional light the middle of the casters.
     pub origin: DVec3,
     /// Across, scaled to the part in view.
     pub x_axis: DVec3,
     /// Up, scaled to the part in view.
     pub y_axis: DVec3,
-    /// Away from a light at `origin`, of length 1; 0 for a directional light.
+    /// Away from a light, of length 1; 0 for a directional light.
     pub z_axis: DVec3,
-    /// 0 when looking from a point at `origin`, 1 when looking along a direction.
+    /// How far before `origin` the point lies that it looks from: 0 when that is `origin` itself; 1 when looking along a
+    /// direction.
     pub z_offset: f64,
     /// The direction along which things lie further from the light, of length 1.
     pub away: DVec3,
@@ -172,7 +179,21 @@ impl LightPlane {
         corners.iter().map(|corner| (*corner - self.origin).dot(self.away)).fold(f64::INFINITY, f64::min)
     }
 
-    fn project(&self, corners: [DVec3; 3]) -> Footprint {
+    /// How far a triangle's image moves within the part in view, which is 2 wide, when the triangle moves by `moves_m`.
+    fn shift(&self, corners: [DVec3; 3], moves_m: f64) -> f64 {
+        if moves_m == 0.0 {
+            return 0.0;
+        }
+        let z = |corner: DVec3| (corner - self.origin).dot(self.z_axis) + self.z_offset;
+        let z_moves = moves_m * self.z_axis.length();
+        let nearest = corners.map(z).into_iter().fold(f64::INFINITY, f64::min) - z_moves;
+        let moves = moves_m * self.x_axis.length().max(self.y_axis.length()) + z_moves;
+        // No infinity: some of it is multiplied by 0.
+        if nearest > 0.0 { (moves / nearest).min(1e30) } else { 1e30 }
+    }
+
+    /// The part of the plane that a triangle covers, or covers when it moves by `moves_m` next to a plane's border.
+    fn project(&self, corners: [DVec3; 3], moves_m: f64) -> Footprint {
         let to_corners = corners.map(|corner| corner - self.origin);
         let homogeneous = to_corners
             .map(|d| DVec3::new(d.dot(self.x_axis), d.dot(self.y_axis), d.dot(self.z_axis) + self.z_offset));
@@ -180,7 +201,7 @@ impl LightPlane {
         let all = |is_outside: &dyn Fn(&DVec3) -> bool| homogeneous.iter().all(is_outside);
         if self.one_of_six {
             // Wholly behind the light, or wholly beyond one side of the face's pyramid |x|, |y| ≤ z.
-            let margin = 1e-9 * reach;
+            let margin = 1e-9 * reach + moves_m * std::f64::consts::SQRT_2;
             let is_outside = all(&|h| h.z < -margin)
                 || all(&|h| h.x - h.z > margin)
                 || all(&|h| -h.x - h.z > margin)
@@ -190,7 +211,7 @@ impl LightPlane {
                 return Footprint::Nothing;
             }
         }
-        let nearest = if self.z_offset == 0.0 { 1e-6 * reach } else { 0.0 };
+        let nearest = if self.z_axis == DVec3::ZERO { 0.0 } else { 1e-6 * reach };
         if !all(&|h| h.z > nearest) {
             return Footprint::Everything;
         }

@@ -10,7 +10,8 @@ use shadowgraph_engine::scene::Instance;
 use shadowgraph_engine::shadow::{LightPlan, ShadowError, hash_of};
 
 use super::chain::{CasterChain, LightBall, SoftEdge, SoftTriangle};
-use super::lists::{MAX_SLICES, SoftGrid, clusters};
+use super::clusters::clusters;
+use super::lists::{MAX_SLICES, SoftGrid, eye_distance};
 use super::packed::packed;
 use super::{Quality, ShadowVolumeSoft};
 use crate::GeometryMode;
@@ -147,12 +148,14 @@ impl ShadowVolumeSoft {
         }
         let receivers = light.posed.world_bounds;
         let keys: Vec<u64> = chains.iter().map(|(_, key)| *key).collect();
+        let eye_m = eye_distance(light.view.camera.world_from_view.translation, &bounds);
         let key = hash_of((
             &keys,
             [receivers.min, receivers.max].map(|corner| corner.to_array().map(f64::to_bits)),
+            eye_m.to_bits(),
         ));
         let gathered = light.cache.get_or_compute("soft chains", key, || {
-            let grid = SoftGrid::new(ball, &bounds, &receivers);
+            let grid = SoftGrid::new(ball, &bounds, &receivers, eye_m);
             Chains::new(grid, chains.iter().map(|(chain, _)| chain.as_ref()))
         });
         self.bind(light, Some((&gathered, key)))

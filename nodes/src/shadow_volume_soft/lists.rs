@@ -1,5 +1,4 @@
-//! Which edges and triangles can matter to which receivers: lists for the cells of a grid the light's centre looks through,
-//! and groups of triangles within spheres.
+//! Which edges and triangles can matter to which receivers: lists for the cells of a grid the light's centre looks through.
 //!
 //! A receiver's point p lies in one cell, seen from the centre, and in one *slice*: between two distances from it (for a
 //! directional light, along its direction). The way from p to any sample of the light stays within t·R of the way to the
@@ -7,8 +6,10 @@
 //! through cells about R·(1 − z/d) around its image: it is listed in these, and in no slice that ends before z. Triangles
 //! between p and the centre are listed without that margin.
 //!
-//! *Nothing is lost.* All of it is f64 on the CPU, conservative, and enlarged by [`CELL_MARGIN`] of a cell, far beyond
-//! what f32 loses when the shader finds p's cell. Whatever is listed in vain changes nothing.
+//! *Nothing is lost.* All of it is f64 on the CPU, conservative, and enlarged by [`CELL_MARGIN`] of a cell and by what f32
+//! loses when the shader finds p's cell and sees edges from p ([`SoftGrid::lost`]): that grows with how far the eye is, and
+//! p. It does not grow with the light's distance, since planes have their origin among the casters. Whatever is listed in
+//! vain changes nothing.
 
 use glam::{DVec2, DVec3};
 use shadowgraph_engine::geometry::{LightGrid, LightPlane};
@@ -17,7 +18,11 @@ use shadowgraph_engine::math::Aabb;
 use super::chain::LightBall;
 
 /// By how much of a cell footprints are enlarged on every side.
-const CELL_MARGIN: f64 = 0.03;
+const CELL_MARGIN: f64 = 0.01;
+/// Half an ulp of 1 in f32: what one rounding loses at most.
+const HALF_ULP: f64 = 1.0 / (1 << 24) as f64;
+/// The eye's distance counts as the next power of this, so that lists are seldom made anew for it.
+const EYE_STEP: f64 = 16.0;
 /// Slices, at most: see `SoftHead` of soft_light.wgsl.
 pub(super) const MAX_SLICES: usize = 8;
 /// The most cells along a side, for edges and for triangles.
@@ -42,6 +47,27 @@ pub(super) struct SoftGrid {
     /// Where slices end: distances from the centre, or along the light's direction from the planes' origin; ascending.
     /// Receivers beyond the last are in the last.
     pub slice_ends: Vec<f64>,
+    /// What goes into [`SoftGrid::lost`].
+    distances: Distances,
+}
+
+/// How far things are from the planes' origin, in metres.
+#[derive(Clone, Copy, Debug)]
+struct Distances {
+    /// The eye, at most.
+    eye: f64,
+    /// The light; 0 for a direction.
+    light: f64,
+    /// What casts, at most.
+    casters: f64,
+    /// What receives, at most.
+    receivers: f64,
+}
+
+/// How far the eye may be from the middle of `casters`, in few steps.
+pub(super) fn eye_distance(eye: DVec3, casters: &Aabb) -> f64 {
+    let distance = casters.center().distance(eye).max(f64::MIN_POSITIVE);
+    EYE_STEP.powf((distance.ln() / EYE_STEP.ln()).ceil())
 }
 
 /// The cells of one plane and slice that something may be touched through.
@@ -52,9 +78,19 @@ struct Footprint {
     reach: f64,
 }
 
+impl Distances {
+    /// What f32 loses of a receiver's place that is no further than `receivers` from the origin: of the eye's place twice,
+    /// and of differences, products and turns on the way, each a few roundings.
+    fn lost(&self, receivers: f64) -> f64 {
+        let receivers = receivers.min(self.receivers);
+        HALF_ULP * (4.0 * self.eye + 32.0 * (receivers + self.casters))
+    }
+}
+
 impl SoftGrid {
-    /// A grid for casters within `casters` and receivers within `receivers`.
-    pub(super) fn new(light: LightBall, casters: &Aabb, receivers: &Aabb) -> Self {
+    /// A grid for casters within `casters` and receivers within `receivers`, and an eye no further than `eye_m` from the
+    /// middle of the casters.
+    pub(super) fn new(light: LightBall, casters: &Aabb, receivers: &Aabb, eye_m: f64) -> Self {
         let directional = light.position.w == 0.0;
         let towards = light.position.truncate();
         let along = |bounds: &Aabb| {
@@ -71,8 +107,32 @@ impl SoftGrid {
             };
             (casters.distance(towards), far(receivers).max(far(casters)), light.radius)
         };
-        let grid = LightGrid::new(light.position, &casters.expanded(reach * (1.0 + 1e-6)));
-        let planes = grid.planes().to_vec();
+        let from_middle = |bounds: &Aabb| {
+            let middle = casters.center();
+            bounds.corners().map(|corner| corner.distance(middle)).into_iter().fold(0.0, f64::max)
+        };
+        let mut distances = Distances {
+            eye: eye_m,
+            light: if directional { 0.0 } else { towards.distance(casters.center()) },
+            casters: casters.radius(),
+            receivers: if receivers.is_empty() { 0.0 } else { from_middle(receivers) },
+        };
+        let margin = reach * (1.0 + 1e-6) + distances.lost(f64::INFINITY);
+        let mut planes = LightGrid::new(light.position, &casters.expanded(margin)).planes().to_vec();
+        match planes.as_mut_slice() {
+            // From a far light's place f32 would not tell casters apart: their middle is on the plane's axis too.
+            [plane] if !directional => {
+                plane.z_offset = (casters.center() - plane.origin).dot(plane.z_axis);
+                plane.origin = casters.center();
+            }
+            [_] => {}
+            // All of it from the light, which stands among the casters.
+            _ => {
+                distances.eye += distances.light;
+                distances.receivers += distances.light;
+                distances.casters += distances.light;
+            }
+        }
         let farthest = farthest + 1e-6 * (farthest.abs() + nearest.abs());
         let slice_ends = if directional {
             let from_origin = -planes[0].away.dot(planes[0].origin);
@@ -87,7 +147,21 @@ impl SoftGrid {
             let place = |i: usize| 1.0 / (near + (far - near) * (i + 1) as f64 / MAX_SLICES as f64);
             (0..MAX_SLICES).map(place).collect()
         };
-        Self { light, planes, side: 1, triangle_side: 1, slice_ends }
+        Self { light, planes, side: 1, triangle_side: 1, slice_ends, distances }
+    }
+
+    /// By how much of metres f32 may move something that is `nearest` to the light, as receivers in `slice` see it.
+    fn lost(&self, nearest: f64, slice: usize) -> f64 {
+        let reach = if self.light.position.w == 0.0 {
+            // What lies over the casters: at most so far aside, and so far along.
+            let along =
+                self.slice_ends.get(slice + 1).map_or(f64::INFINITY, |_| self.slice_ends[slice].abs());
+            2.0 * self.distances.casters + along
+        } else {
+            // A receiver beyond is seen smaller, by as much as it is further away.
+            1.5 * nearest + self.distances.light
+        };
+        self.distances.lost(reach)
     }
 
     /// How many lists of edges there are.
@@ -104,8 +178,9 @@ impl SoftGrid {
     /// direction, for a directional light), to be met on the way of a receiver in `slice` to a sample; `None` when it
     /// lies beyond the slice.
     fn reach(&self, nearest: f64, slice: usize) -> Option<f64> {
-        let (end, radius) =
-            (self.slice_ends[slice] * (1.0 + 1e-6 * self.slice_ends[slice].signum()), self.light.radius);
+        let end = self.slice_ends[slice];
+        let end = end * (1.0 + 1e-6 * end.signum()) + self.distances.lost(f64::INFINITY);
+        let radius = self.light.radius;
         if self.light.position.w == 0.0 {
             let way = end - nearest;
             return (way >= 0.0).then_some(way * radius);
@@ -124,11 +199,18 @@ impl SoftGrid {
         self.light.distance_to_segment(a, b)
     }
 
+    /// How far a triangle may be from a light at most where it is nearest: as far as its nearest corner.
+    fn nearest_of(&self, corners: [DVec3; 3]) -> f64 {
+        let light = self.light.position.truncate();
+        corners.iter().map(|corner| corner.distance(light)).fold(f64::INFINITY, f64::min)
+    }
+
     /// Calls `visit` with plane, slice, column and row of every cell that a receiver may touch the edge through.
     fn edge_cells(&self, ends: [DVec3; 2], visit: &mut impl FnMut(usize)) {
         let nearest = self.nearest(ends);
         for slice in 0..self.slice_ends.len() {
             let Some(reach_m) = self.reach(nearest, slice) else { continue };
+            let reach_m = reach_m + self.lost(nearest, slice);
             for (number, plane) in self.planes.iter().enumerate() {
                 let Some(footprint) = self.footprint(plane, ends, reach_m) else { continue };
                 self.cells_about(&footprint, |x, y| visit(self.cell(number, slice, x, y)));
@@ -288,8 +370,10 @@ impl SoftGrid {
     fn triangle_cells(&self, corners: [DVec3; 3], visit: &mut impl FnMut(usize)) {
         let side = self.triangle_side;
         let grid = LightGrid::from_planes(&self.planes, side);
+        // The last slice holds those that lose most.
+        let lost = self.lost(self.nearest_of(corners), self.slice_ends.len() - 1);
         for number in 0..self.planes.len() {
-            grid.for_each_cell_within(number, corners, CELL_MARGIN, |[x, y]| {
+            grid.for_each_cell_within(number, corners, CELL_MARGIN, lost, |[x, y]| {
                 visit((number * side + y) * side + x);
             });
         }
@@ -309,45 +393,4 @@ fn clipped(from: DVec3, to: DVec3, outside: DVec3, beyond: f64) -> Option<(DVec3
         (true, false) => Some((from.lerp(to, at_from / (at_from - at_to)), to)),
         (false, true) => Some((from, from.lerp(to, at_from / (at_from - at_to)))),
     }
-}
-
-/// Triangles that lie together, and the sphere around them.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Cluster {
-    /// Its triangles, among those in the order of the clusters.
-    pub triangles: std::ops::Range<usize>,
-    /// The middle of their bounds, in the world.
-    pub center: DVec3,
-    /// How far from it they reach, in metres.
-    pub radius_m: f64,
-}
-
-/// The most triangles of a cluster.
-const CLUSTER: usize = 16;
-
-/// The order of the triangles, and the clusters of that order: halved at the middle of the longest side until they are small.
-pub(super) fn clusters(triangles: &[[DVec3; 3]]) -> (Vec<usize>, Vec<Cluster>) {
-    let mut order: Vec<usize> = (0..triangles.len()).collect();
-    let mut clusters = Vec::new();
-    let mut open = Vec::new();
-    open.push(0..triangles.len());
-    while let Some(range) = open.pop() {
-        if range.is_empty() {
-            continue;
-        }
-        let bounds = Aabb::from_points(order[range.clone()].iter().flat_map(|i| triangles[*i]));
-        if range.len() <= CLUSTER {
-            clusters.push(Cluster { triangles: range, center: bounds.center(), radius_m: bounds.radius() });
-            continue;
-        }
-        let size = bounds.max - bounds.min;
-        let axis =
-            size.to_array().iter().enumerate().fold(0, |best, (i, x)| if *x > size[best] { i } else { best });
-        let middle = range.len() / 2;
-        let key = |i: &usize| triangles[*i].iter().map(|corner| corner[axis]).sum::<f64>();
-        order[range.clone()].select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)));
-        open.push(range.start + middle..range.end);
-        open.push(range.start..range.start + middle);
-    }
-    (order, clusters)
 }

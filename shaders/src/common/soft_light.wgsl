@@ -41,7 +41,7 @@ struct SoftHead {
     slice_count: u32,
     // From the eye to the light's centre, 1; or the unit direction towards it, 0.
     light: vec4f,
-    // From the eye to the planes' origin.
+    // From the eye to the planes' origin: the light where there are six, else the middle of the casters.
     origin: vec3f,
     // In metres, or the tangent of half the angle the light is seen under.
     radius: f32,
