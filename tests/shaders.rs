@@ -16,7 +16,7 @@ const USED: &[(&str, &[&str], &[&str])] = &[
     ("masked_volume", &["BASE_COLOR_TEXTURE"], &["fullscreen_vertex", "darken"]),
     ("nothing", &[], &["nothing"]),
     ("penumbra_wedge", &[], &["vertex", "fullscreen_vertex", "add_share", "darken"]),
-    ("per_receiver", &["CASTERS", "CLUSTERS", "ONE_CASTER"], &["soft_vertex", "per_receiver"]),
+    ("per_receiver", &["CASTERS", "CLUSTERS", "ONE_CASTER"], &["soft_vertex", "mark", "per_receiver"]),
     ("resolve_mask", &[], &["fullscreen_vertex", "mark", "darken"]),
     ("sample_images", &["COUNTS"], &["fullscreen_vertex", "triangle", "factor"]),
     (

@@ -24,6 +24,7 @@ mod chain;
 mod clusters;
 mod gather;
 mod lists;
+mod marked;
 mod options;
 mod packed;
 mod per_receiver;

@@ -3,6 +3,7 @@
 // what it covers beside the centre, or leaves: see common/disc_coverage.
 
 #import common/soft_light
+#import common/soft_question
 #import common/disc_coverage
 
 // Larger discs, of receivers at the light, are all but half of what is seen.
@@ -23,20 +24,27 @@ fn chain_share(lists: Lists, r: Receiver, k: f32, disc: DiscView) -> f32 {
     var share = select(0.0, over_centre, !disc.dips || disc.horizon.z >= 0.0);
     var over_middle = over_centre;
     let chord = chord_of(disc.horizon);
-    for (var place = lists.edges.first; place < lists.edges.end; place += 1u) {
-        let edge = seen_edge(list_word(place), r);
-        // What is more to its left than to its right.
-        let weight = -f32(edge.weight);
-        let crosses = edge.heights.x * edge.heights.x < dot(edge.heights.yz, edge.heights.yz);
-        if weight == 0.0 || !crosses {
-            continue;
+    var place = lists.edges.first;
+    loop {
+        // Pixels that are drawn together look for the next edge that matters each by itself, and reckon together.
+        var edge = no_edge();
+        while place < lists.edges.end && edge.weight == 0 {
+            edge = seen_edge(list_word(place), r);
+            place += 1u;
         }
+        if edge.weight == 0 {
+            break;
+        }
+        // What is more to its left than to its right.
+        let crosses = edge.heights.x * edge.heights.x < dot(edge.heights.yz, edge.heights.yz);
+        let weight = select(0.0, -f32(edge.weight), crosses);
         let line = vec3f(edge.heights.yz, edge.heights.x);
         let left = center_is_left(edge.a, edge.b);
         let a = of_disc(vec3f(edge.a, edge.depths.x), k);
         let b = of_disc(vec3f(edge.b, edge.depths.y), k);
         share += weight * cut_edge_share(disc, a, b, line, left);
-        if disc.dips {
+        // A loop where a condition is meant: such pixels skip together what none of them enters, but only loops.
+        for (var dips = disc.dips; dips; dips = false) {
             let terms = chord_terms(disc, chord, a, b, line, left);
             over_middle += weight * terms.x;
             share += weight * terms.y;
@@ -49,32 +57,52 @@ fn chain_share(lists: Lists, r: Receiver, k: f32, disc: DiscView) -> f32 {
 }
 
 #if CLUSTERS
+// Whether a triangle may cover a part of the disc, or the centre where that alone counts.
+fn may_cover(t: SeenTriangle, r: Receiver, disc: DiscView) -> bool {
+    let reach = r.k * vec3f(length(t.ab.yz), length(t.bc.yz), length(t.ac.yz)) * 1.00001;
+    // Its three edges one way round. What is to the left of one as a whole and to the right of another is outside.
+    let heights = vec3f(t.ab.x, t.bc.x, -t.ac.x);
+    let is_outside = any(heights > reach) && any(heights < -reach);
+    let farthest = max(t.a.z, max(t.b.z, t.c.z));
+    let nearest = min(t.a.z, min(t.b.z, t.c.z));
+    return weight_of(t.side, t.bits) != 0 && !is_outside && farthest > 0.0 && nearest < disc.far;
+}
+
 // The share that one triangle covers, whether before, in or beyond the light.
-fn share_of(number: u32, r: Receiver, k: f32, disc: DiscView) -> f32 {
-    let t = seen_triangle(number, r);
+fn share_of(t: SeenTriangle, r: Receiver, k: f32, disc: DiscView) -> f32 {
     let side = weight_of(t.side, t.bits);
-    if side == 0 {
-        return 0.0;
-    }
     let share = triangle_share(disc, of_disc(t.a, k), of_disc(t.b, k), of_disc(t.c, k));
-    return f32(select(-side, side, (t.bits & 1u) != 0u)) * share;
+    // Within the light, only the centre counts.
+    let of_center = f32(seen_hides_center(t));
+    return select(f32(select(-side, side, (t.bits & 1u) != 0u)) * share, of_center, r.k == 0.0);
 }
 
 // The share that the first `count` clusters cover, triangle by triangle.
 fn clusters_share(count: u32, r: Receiver, k: f32, disc: DiscView) -> f32 {
     var share = 0.0;
-    for (var number = 0u; number < count; number += 1u) {
-        let cluster = soft_clusters[number];
-        if !may_reach(cluster, r) {
-            continue;
+    var number = 0u;
+    var next = 0u;
+    var end = 0u;
+    loop {
+        while next == end && number < count {
+            let cluster = soft_clusters[number];
+            let is_reached = may_reach(cluster, r);
+            next = select(0u, cluster.first, is_reached);
+            end = select(0u, cluster.end, is_reached);
+            number += 1u;
         }
-        for (var triangle = cluster.first; triangle < cluster.end; triangle += 1u) {
-            // Within the light, only the centre counts.
-            if r.k == 0.0 {
-                share += f32(hides_center(triangle, r));
-            } else {
-                share += share_of(triangle, r, k, disc);
-            }
+        if next == end {
+            break;
+        }
+        var t: SeenTriangle;
+        var covers = false;
+        while next < end && !covers {
+            t = seen_triangle(next, r);
+            covers = may_cover(t, r, disc);
+            next += 1u;
+        }
+        for (; covers; covers = false) {
+            share += share_of(t, r, k, disc);
         }
     }
     return share;
@@ -96,31 +124,14 @@ fn covered(lists: Lists, r: Receiver, k: f32, disc: DiscView) -> f32 {
 fn per_receiver(in: SoftVaryings) -> @location(0) vec4f {
     take_light(in);
     let position = in.position;
-    let pixel = vec2u(position.xy);
-    let depth = textureLoad(receiver_depth, pixel, 0);
-    let normal = textureLoad(receiver_normals, pixel, 0);
-    // Depth is reversed: 0 is infinitely far, where nothing is.
-    if depth == 0.0 || normal.w == 0.0 {
-        discard;
-    }
-    var r = receiver_at(position.xy, depth);
-    let n = world_from_view(normal.xyz);
-    // The light over the surface's own plane: how high its centre is, and how far it reaches from there.
-    let height = dot(n, r.w);
-    let reach = r.k * sqrt(max(1.0 - height * height, 0.0));
-    if height < -reach * 1.00001 {
+    let q = question_at(position.xy);
+    let height = q.height;
+    // The light as a whole is below the surface's own plane.
+    if height < -q.reach {
         return vec4f(0.0);
     }
-#if CASTERS
-    let lists = lists_of(r);
-    let alone = lists.clusters == 0u && lists.edges.first == lists.edges.end && lists.triangles.first == lists.triangles.end;
-#else
-    let alone = true;
-#endif
-    if alone && height > reach * 1.00001 {
-        discard;
-    }
-    r = with_frame(r, position.xy, depth);
+    let n = q.n;
+    let r = with_frame(q.r, position.xy, textureLoad(receiver_depth, vec2u(position.xy), 0));
     let k = select(clamp(r.k, 1e-12, LARGEST_DISC), 1.0, r.k == 0.0);
     var disc: DiscView;
     disc.horizon = vec3f(dot(n, r.u) * k, dot(n, r.v) * k, height);
@@ -132,14 +143,14 @@ fn per_receiver(in: SoftVaryings) -> @location(0) vec4f {
         seen = share_above(disc.horizon.z / steep);
     }
 #if CASTERS
-    if seen > 0.0 && !alone {
+    if seen > 0.0 {
         // What lies in the receiver's plane is in nobody's way, and rounding is not to lift it. Where the centre itself is
         // about in that plane, it is taken to be below the horizon: its side of what lies there is not sure.
         disc.margin = abs(dot(n, r.step)) / 8.0 + ROUNDING * r.distance;
         let unsure = clamp(disc.margin / (NEAREST * r.light_distance), 1e-6 * steep, 0.02 * steep);
         disc.lift = select(0.0, disc.horizon.z + unsure, disc.dips && abs(disc.horizon.z) < unsure);
         disc.horizon.z -= disc.lift;
-        seen -= covered(lists, r, k, disc);
+        seen -= covered(q.lists, r, k, disc);
     }
 #endif
     if seen >= 1.0 {

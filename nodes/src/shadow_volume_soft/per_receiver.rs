@@ -1,10 +1,10 @@
 //! `quality=perReceiver`: what is left of the light, by areas, over the silhouette that each receiver sees.
 //!
-//! *The idea.* One draw over the picture. Each pixel looks up the edges that may cross the light's disc and the triangles
-//! that may hide its centre, as `sampled` does, and reckons in areas: an edge is a silhouette for p if p lies on opposite
-//! sides of its two triangles; the part of it within the disc adds what it covers beside the centre, and the number of
-//! triangles over the centre is the constant of the sum: see `common/disc_coverage`. The receiver's own plane cuts the
-//! disc, and casters with it, by a chord. Triangles near the light, which may be met beyond it, are cut to
+//! *The idea.* A first draw over the picture marks the pixels that may see a part of the light only. In the second, each
+//! looks up the edges that may cross the light's disc and the triangles that may hide its centre, as `sampled` does, and
+//! reckons in areas: an edge is a silhouette for p if p lies on opposite sides of its two triangles; the part of it within
+//! the disc adds what it covers beside the centre, and the number of triangles over the centre is the constant of the sum:
+//! see `common/disc_coverage`. The receiver's own plane cuts the disc, and casters with it, by a chord. Triangles near the light, which may be met beyond it, are cut to
 //! what lies before it and asked one by one.
 //!
 //! *Sources.* The penumbra wedges of Assarsson & Akenine-Möller 2003, with their first two errors mended: silhouettes are
@@ -18,11 +18,12 @@
 //! dark as a whole stays dark, and what is lit stays lit. Open casters count every layer. Receivers nearer to the
 //! light than two of its radii ask all triangles.
 
-use shadowgraph_engine::plan::{CompareFunction, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader};
-use shadowgraph_engine::shadow::{Channels, LightPlan, ShadowError};
+use shadowgraph_engine::plan::Shader;
+use shadowgraph_engine::shadow::{LightPlan, ShadowError};
 
 use super::ShadowVolumeSoft;
 use super::gather::Gathered;
+use super::marked::mark_and_ask;
 
 impl ShadowVolumeSoft {
     pub(super) fn plan_per_receiver(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
@@ -31,29 +32,16 @@ impl ShadowVolumeSoft {
             return Ok(());
         }
         let name = light.light().name.clone();
-        light.decides_own_shadow();
-        let target = light.multiply_visibility(Channels::One);
-        light.pass(Pass {
-            name: format!("soft shadow of {name}"),
-            reason: format!("what {casters} casters cover of {name}, by areas, at every pixel"),
-            colors: vec![target],
-            depth: None,
-            draws: vec![Draw {
-                name: format!("{edges} edges, {triangles} triangles"),
-                shader: Some(shader(casters, clusters)),
-                state: DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]),
-                geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-                bindings,
-                scissor_px: None,
-            }],
-        });
+        let shaders = ["mark", "per_receiver"].map(|fragment| shader(casters, clusters, fragment));
+        let reason = format!("what {casters} casters cover of {name}, by areas");
+        mark_and_ask(light, bindings, shaders, (reason, format!("{edges} edges, {triangles} triangles")));
         Ok(())
     }
 }
 
 /// The shader, with casters and with clusters of them if there are any; its text is checked by a test, so composing it
 /// cannot fail.
-fn shader(casters: usize, clusters: bool) -> Shader {
+fn shader(casters: usize, clusters: bool, fragment: &'static str) -> Shader {
     let wanted = [("CASTERS", casters > 0), ("CLUSTERS", clusters), ("ONE_CASTER", casters == 1)];
     let flags: Vec<&str> = wanted.iter().filter(|(_, wanted)| *wanted).map(|(flag, _)| *flag).collect();
     let source = shadowgraph_shaders::compose_named("per_receiver", &flags).unwrap_or_default();
@@ -61,6 +49,6 @@ fn shader(casters: usize, clusters: bool) -> Shader {
         name: format!("per_receiver {}", flags.join(" ")).into(),
         source: source.into(),
         vertex: "soft_vertex".into(),
-        fragment: Some("per_receiver".into()),
+        fragment: Some(fragment.into()),
     }
 }

@@ -5,13 +5,12 @@
 //! sample: see shadow_volume_soft.wgsl.
 
 use glam::Vec2;
-use shadowgraph_engine::plan::{
-    Access, CompareFunction, DepthTarget, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader, TextureFormat,
-};
-use shadowgraph_engine::shadow::{Channels, LightPlan, ShadowError, light_samples};
+use shadowgraph_engine::plan::Shader;
+use shadowgraph_engine::shadow::{LightPlan, ShadowError, light_samples};
 
 use super::ShadowVolumeSoft;
 use super::gather::Gathered;
+use super::marked::mark_and_ask;
 
 /// In longer lists each edge is counted for itself, so that fewer rounds are gone.
 const LONGEST_SEARCHED: usize = 1 << 13;
@@ -31,41 +30,9 @@ impl ShadowVolumeSoft {
             ("LONG_LISTS", longest_list > LONGEST_SEARCHED),
         ];
         let flags: Vec<&str> = wanted.iter().filter(|(_, wanted)| *wanted).map(|(flag, _)| *flag).collect();
-        light.decides_own_shadow();
-        let fullscreen = |name: String, fragment: &'static str, state: DrawState, bindings| Draw {
-            name,
-            shader: Some(shader(self.samples, &flags, fragment)),
-            state,
-            geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-            bindings,
-            scissor_px: None,
-        };
-        let (format, size_px) = (TextureFormat::Depth32Float, light.view.size_px);
-        let reason = "1 where samples are asked one by one: depth, for adapters skip by it";
-        let marks = light.texture(&format!("soft marks of {name}"), format, size_px, 1, reason);
-        let marking = DrawState { depth_write: true, ..DrawState::new(CompareFunction::Always, vec![]) };
-        light.pass(Pass {
-            name: format!("mark what {name} may light partly"),
-            reason: "the rest is lit, and most of the picture".into(),
-            colors: vec![],
-            depth: Some(DepthTarget { slot: marks, depth: Access::Clear(0.0), stencil: None }),
-            draws: vec![fullscreen("every pixel".into(), "mark", marking, bindings.clone())],
-        });
-        let target = light.multiply_visibility(Channels::One);
-        // The draw is at depth 0.
-        let asking = DrawState::new(CompareFunction::Less, vec![Some(MULTIPLY)]);
-        light.pass(Pass {
-            name: format!("soft shadow of {name}"),
-            reason: format!("{} samples of {name} before {casters} casters", self.samples),
-            colors: vec![target],
-            depth: Some(DepthTarget { slot: marks, depth: Access::ReadOnly, stencil: None }),
-            draws: vec![fullscreen(
-                format!("{edges} edges, {triangles} triangles"),
-                "sampled",
-                asking,
-                bindings,
-            )],
-        });
+        let shaders = ["mark", "sampled"].map(|fragment| shader(self.samples, &flags, fragment));
+        let reason = format!("{} samples of {name} before {casters} casters", self.samples);
+        mark_and_ask(light, bindings, shaders, (reason, format!("{edges} edges, {triangles} triangles")));
         Ok(())
     }
 }

@@ -401,7 +401,10 @@ fn seen_triangle(number: u32, r: Receiver) -> SeenTriangle {
 // How many times a triangle hides the light's centre: 0 or 1, but where rounding cannot tell neighbours apart; there,
 // and only there, their sum is right.
 fn hides_center(number: u32, r: Receiver) -> i32 {
-    let t = seen_triangle(number, r);
+    return seen_hides_center(seen_triangle(number, r));
+}
+
+fn seen_hides_center(t: SeenTriangle) -> i32 {
     let opposite = (t.side < 0 && (t.bits & 8u) != 0u) || (t.side > 0 && (t.bits & 16u) != 0u);
     let turns = axis_crossing(across(t.a), across(t.b)) + axis_crossing(across(t.b), across(t.c))
         - axis_crossing(across(t.a), across(t.c));

@@ -1,0 +1,47 @@
+// What is asked at every pixel before anything is reckoned: most of a picture is lit as a whole, and ends here. All that
+// knows a light by `common/soft_light` begins with it, in a draw of its own that marks the rest.
+
+// What is known of a pixel before its frame is.
+struct Question {
+    r: Receiver,
+    // Unit normal on the eye's side, and how high the light's centre is over the surface.
+    n: vec3f,
+    height: f32,
+    // How much further up or down a sample may be.
+    reach: f32,
+#if CASTERS
+    lists: Lists,
+#endif
+    // Whether all samples reach the surface, by what was asked so far.
+    lit: bool,
+}
+
+fn question_at(position: vec2f) -> Question {
+    var q: Question;
+    let pixel = vec2u(position);
+    let depth = textureLoad(receiver_depth, pixel, 0);
+    let normal = textureLoad(receiver_normals, pixel, 0);
+    // Depth is reversed: 0 is infinitely far, where nothing is.
+    q.r = receiver_at(position, depth);
+    q.n = world_from_view(normal.xyz);
+    q.height = dot(q.n, q.r.w);
+    q.reach = q.r.k * sqrt(max(1.0 - q.height * q.height, 0.0)) * 1.00001 + 1e-6;
+    q.lit = q.height > q.reach && q.r.k > 0.0;
+#if CASTERS
+    q.lists = lists_of(q.r);
+    let listed = q.lists.edges.first < q.lists.edges.end || q.lists.triangles.first < q.lists.triangles.end;
+    q.lit = q.lit && !listed && q.lists.clusters == 0u;
+#endif
+    q.lit = q.lit || depth == 0.0 || normal.w == 0.0;
+    return q;
+}
+
+// Marks the pixels whose samples are to be asked one by one, so that adapters skip the others as they skip what is hidden.
+@fragment
+fn mark(in: SoftVaryings) -> @builtin(frag_depth) f32 {
+    take_light(in);
+    if question_at(in.position.xy).lit {
+        discard;
+    }
+    return 1.0;
+}
