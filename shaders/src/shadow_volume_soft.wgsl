@@ -164,13 +164,17 @@ fn listed_edge(place: u32, end: u32, r: Receiver) -> SeenEdge {
 fn add_edges(list: CellList, r: Receiver, round: u32) {
     var place = list.first;
 #if LONG_LISTS
-    // Drivers may bound how often a shader goes round: to 65 535 times, Mesa's software one.
+    // Drivers may bound how often a shader goes round, all its loops together: to 65 535 times, Mesa's software one.
     while place < list.end {
         add_edge(listed_edge(place, list.end, r), round);
         add_edge(listed_edge(place + 1u, list.end, r), round);
         add_edge(listed_edge(place + 2u, list.end, r), round);
         add_edge(listed_edge(place + 3u, list.end, r), round);
-        place += 4u;
+        add_edge(listed_edge(place + 4u, list.end, r), round);
+        add_edge(listed_edge(place + 5u, list.end, r), round);
+        add_edge(listed_edge(place + 6u, list.end, r), round);
+        add_edge(listed_edge(place + 7u, list.end, r), round);
+        place += 8u;
     }
 #else
     // Pixels that are drawn together look for the next edge that matters each by itself, and count it together.
@@ -224,13 +228,13 @@ fn hidden_by_clusters(first: u32, end: u32, r: Receiver, round: u32) -> vec2u {
 
 #endif
 
-// Samples that the casters hide.
-fn hidden(r: Receiver, lists: Lists, round: u32) -> vec2u {
+// Samples that the casters hide, of which `over_center` hide the centre.
+fn hidden(r: Receiver, lists: Lists, over_center: i32, round: u32) -> vec2u {
     var dark = vec2u(0u);
 #if CLUSTERS
     dark = hidden_by_clusters(0u, lists.clusters, r, round);
 #endif
-    set_counts(center_count(lists.triangles, r));
+    set_counts(over_center);
     add_edges(lists.edges, r, round);
     return dark | counted();
 }
@@ -252,12 +256,15 @@ fn sampled(in: SoftVaryings) -> @location(0) vec4f {
     let height = q.height - select(0.0, uncertain, r.k == 0.0);
     let over = vec3f(height, dot(q.n, r.u) * r.k, dot(q.n, r.v) * r.k);
     var lit = 0u;
+#if CASTERS
+    let over_center = center_count(q.lists.triangles, r);
+#endif
     for (var round = 0u; round < ROUNDS; round += 1u) {
         var bits = select(samples_of(round), vec2u(select(0u, 1u, round == 0u), 0u), r.k == 0.0);
         // What lies in the surface's own plane is dark.
         bits &= ~samples_not_below(-over, round);
 #if CASTERS
-        bits &= ~hidden(r, q.lists, round);
+        bits &= ~hidden(r, q.lists, over_center, round);
 #endif
         lit += countOneBits(bits.x) + countOneBits(bits.y);
     }

@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3, DVec4};
 use shadowgraph_engine::shadow::{LightDisc, LightSize};
 
 use super::bvh::Open;
-use super::moved::{MOVES, Moved};
+use super::moved::{CORNERS, MOVES, Moved};
 use super::reference::{CasterSet, Hit, Reference};
 use super::surface::Triangle;
 
@@ -28,7 +28,7 @@ pub(super) struct Way<'a> {
     moved: &'a Moved,
     casters: &'a CasterSet,
     light: DVec4,
-    discs: [LightDisc; MOVES],
+    discs: [LightDisc; MOVES + CORNERS],
     /// From the point to the disc's centre, and to where the disc's axes end from there.
     to_center: DVec3,
     axes: [DVec3; 2],
@@ -46,14 +46,15 @@ const UNSETTLED: f64 = 1.0 / 16.0;
 
 impl<'a> Way<'a> {
     pub(super) fn new(size: LightSize, casters: &'a CasterSet, light: DVec4, moved: &'a Moved) -> Self {
-        let [center, ..] = moved.points;
+        let points = moved.everywhere();
+        let center = points[0];
         let position = light.truncate();
-        let discs = moved.points.map(|point| size.disc((position - point * light.w).extend(light.w)));
+        let discs = points.map(|point| size.disc((position - point * light.w).extend(light.w)));
         let axes = |disc: &LightDisc| [disc.u * disc.radius, disc.v * disc.radius];
         let own = axes(&discs[0]);
         let turns = discs.iter().map(axes).map(|[u, v]| (u - own[0]).length() + (v - own[1]).length());
         let sample_moves = turns.fold(0.0, f64::max);
-        let point_moves = moved.points.iter().map(|point| point.distance(center)).fold(0.0, f64::max);
+        let point_moves = points.iter().map(|point| point.distance(center)).fold(0.0, f64::max);
         let radius = discs[0].radius;
         Self {
             moved,
@@ -288,13 +289,20 @@ impl DiscTracer<'_> {
             partly.swap(0, index);
             return dark;
         }
+        let blocked_at = |doubtful: &[u32], first: usize, points: &[DVec3]| {
+            let blocks = |place: &u32| reference.blocked_moves(*place, way, sample, first, points);
+            doubtful.iter().fold(0, |bits, place| bits | blocks(place))
+        };
         let all = (1_u8 << MOVES) - 1;
-        let blocked =
-            doubtful.iter().fold(0, |bits, place| bits | reference.blocked_moves(*place, way, sample));
+        let blocked = blocked_at(doubtful, 0, &way.moved.points);
         let turned_away = faces == 0 && surface.facing(way.sample(0, sample)) * way.moved.eye_side <= 0;
         // Seven moves do not tell where else an unsettled sample may lie; only margins do.
         let settled = doubtful.is_empty() || !way.unsettled;
-        let certain = settled && (blocked == all || (blocked == 0 && faces != 0));
+        let mut certain = settled && (blocked == all || (blocked == 0 && faces != 0));
+        if certain && !doubtful.is_empty() {
+            let corners = blocked_at(doubtful, MOVES, &way.moved.corners);
+            certain = corners == if blocked == 0 { 0 } else { u8::MAX };
+        }
         Sight { lit: blocked & 1 == 0 && !turned_away, certain }
     }
 }
@@ -344,17 +352,17 @@ impl Reference {
         Class::Partly(Partial { place, forms, settles, open })
     }
 
-    /// One bit for each of the moved points: 1 where `place` stands between it and `sample`.
-    fn blocked_moves(&self, place: u32, way: &Way<'_>, sample: DVec2) -> u8 {
+    /// One bit for each of `points`, the moved ones from number `first` on: 1 where `place` stands between it and `sample`.
+    fn blocked_moves(&self, place: u32, way: &Way<'_>, sample: DVec2, first: usize, points: &[DVec3]) -> u8 {
         let triangle = &self.triangles[place as usize];
-        let points = &way.moved.points;
+        let [center, ..] = way.moved.points;
         let mut own_plane = None;
         let mut blocked = 0;
         for (index, point) in points.iter().enumerate() {
-            if triangle.blocks(*point, way.sample(index, sample), self.coordinate_m) {
+            if triangle.blocks(*point, way.sample(first + index, sample), self.coordinate_m) {
                 // Moved off its plane: what holds the unmoved point in its own plane is the receiver's surface.
-                let ignored = index >= 5
-                    && *own_plane.get_or_insert_with(|| triangle.side_of(points[0], self.coordinate_m) == 0);
+                let ignored = first + index >= 5
+                    && *own_plane.get_or_insert_with(|| triangle.side_of(center, self.coordinate_m) == 0);
                 blocked |= u8::from(!ignored) << index;
             }
         }

@@ -8,11 +8,17 @@ use super::render::{DEPTH_ULPS, PIXEL_MOVE, View};
 /// The centre, four moves on the plane, two in depth.
 pub(super) const MOVES: usize = 7;
 
+/// Points moved in all three ways at once.
+pub(super) const CORNERS: usize = 8;
+
 /// A receiver point and its moved copies.
 pub(super) struct Moved {
     pub(super) hit: Hit,
     /// The last two are those moved in depth.
     pub(super) points: [DVec3; MOVES],
+    /// Moved up or down, left or right and in depth: the corners of the box that the moves span. A sample next to two
+    /// edges at once may see between them from there alone.
+    pub(super) corners: [DVec3; CORNERS],
     /// Some move led nowhere; its point is then the centre's.
     pub(super) lost: bool,
     pub(super) receives: bool,
@@ -49,7 +55,24 @@ impl Moved {
                 lost = true;
             }
         }
+        let mut corners = [center; CORNERS];
+        for (index, corner) in corners.iter_mut().enumerate() {
+            let sign = |bit: usize| if index >> bit & 1 == 0 { -1.0 } else { 1.0 };
+            let (from, direction) = view.ray([x + sign(0) * PIXEL_MOVE, y + sign(1) * PIXEL_MOVE]);
+            let t = surface.plane_parameter(from, direction).filter(|t| *t > 0.0);
+            let t = t.map(|t| view.distance_moved(t, sign(2) * f64::from(DEPTH_ULPS)));
+            match t.filter(|t| t.is_finite() && *t > 0.0) {
+                Some(t) => *corner = from + direction * t,
+                // Single moves in these ways are lost too.
+                None => {}
+            }
+        }
         let eye_side = surface.facing(view.eye);
-        Some(Self { hit, points, lost, receives: surface.receives, eye_side })
+        Some(Self { hit, points, corners, lost, receives: surface.receives, eye_side })
+    }
+
+    /// Its points and corners.
+    pub(super) fn everywhere(&self) -> [DVec3; MOVES + CORNERS] {
+        std::array::from_fn(|index| *self.points.get(index).unwrap_or_else(|| &self.corners[index - MOVES]))
     }
 }

@@ -415,12 +415,6 @@ pub(crate) const KNOWN: &[Known] = &[
 /// What is known to be wrong on hard cases.
 pub(crate) const KNOWN_ON_CASES: &[Known] = &[
     Known {
-        technique: SOFT,
-        settings: &["samples 256"],
-        cases: &["sliver/width=1e-5", "overlap-2049", "overlap-4096", "overlap-seen-through/2049-boxes"],
-        why: "single samples next to two creases at once: the reference's six moves do not reach both",
-    },
-    Known {
         technique: PLANAR,
         settings: &["texture"],
         cases: &["low-sun", "map-grazing/1-deg", "instanced-1000/open"],

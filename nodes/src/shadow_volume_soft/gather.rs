@@ -83,8 +83,8 @@ pub(super) struct Gathered {
     pub(super) casters: usize,
     /// How many edges can be silhouettes.
     pub(super) edges: usize,
-    /// How many of them one receiver may have to ask.
-    pub(super) longest_list: usize,
+    /// How many edges, and how many triangles, one receiver may have to ask.
+    pub(super) longest_lists: [usize; 2],
     /// How many triangles cast.
     pub(super) triangles: usize,
 }
@@ -99,9 +99,21 @@ struct Chains {
     cluster_count: usize,
     edge_count: usize,
     triangle_count: usize,
-    longest_list: usize,
+    longest_lists: [usize; 2],
     grid: SoftGrid,
     centers: Vec<DVec3>,
+}
+
+/// Drivers may bound how often a shader goes round, all its loops together: Mesa's software one to 65 535 times.
+const MOST_TURNS: usize = 60_000;
+
+impl Gathered {
+    /// Whether lists are so long that shaders which walk them one by one, those of edges `walks` times and those of triangles
+    /// once, are to take several at a turn.
+    pub(super) fn has_long_lists(&self, walks: usize) -> bool {
+        let [edges, triangles] = self.longest_lists;
+        walks * edges + triangles > MOST_TURNS
+    }
 }
 
 impl ShadowVolumeSoft {
@@ -294,7 +306,7 @@ impl ShadowVolumeSoft {
             }
             gathered.casters = chains.centers.len();
             gathered.edges = chains.edge_count;
-            gathered.longest_list = chains.longest_list;
+            gathered.longest_lists = chains.longest_lists;
             gathered.triangles = chains.triangle_count;
         }
         bindings.push((6, Binding::Texture(light.receiver_depth())));
@@ -397,7 +409,7 @@ impl Chains {
             .zip(&far.2)
             .filter_map(|(number, corners)| Some((number, (*corners)?)))
             .collect();
-        let (grid, lists, longest_list) = grid.lists(&ends, &listed);
+        let (grid, lists, longest_lists) = grid.lists(&ends, &listed);
         let shifted = far.0.iter().map(|cluster| SoftCluster {
             first: cluster.first + near_count as u32,
             end: cluster.end + near_count as u32,
@@ -420,7 +432,7 @@ impl Chains {
             cluster_count: all_clusters.len(),
             edge_count,
             triangle_count,
-            longest_list,
+            longest_lists,
             grid,
             centers,
         }

@@ -296,12 +296,12 @@ impl SoftGrid {
 
     /// The grid with the smallest cells that the memory for lists allows, and the lists over it: for each list of
     /// edges where it begins, and where the last one ends; the same for triangles; then the lists of numbers:
-    /// edges in their order, triangles by those given. At last how many edges the longest list has.
+    /// edges in their order, triangles by those given. At last how many edges, and how many triangles, the longest list has.
     pub(super) fn lists(
         mut self,
         edges: &[[DVec3; 2]],
         triangles: &[(u32, [DVec3; 3])],
-    ) -> (Self, Vec<u32>, usize) {
+    ) -> (Self, Vec<u32>, [usize; 2]) {
         let budget = |primitives: usize| (primitives * WORDS_PER_PRIMITIVE).clamp(LEAST_WORDS, MOST_WORDS);
         let mut edge_counts = self.edge_counts(edges);
         while self.side < FINEST {
@@ -348,7 +348,8 @@ impl SoftGrid {
         for (number, corners) in triangles {
             self.triangle_cells(*corners, &mut |cell| put(edge_counts.len() + 1 + cell, *number));
         }
-        let longest = edge_counts.iter().max().copied().unwrap_or_default() as usize;
+        let longest = [&edge_counts, &triangle_counts]
+            .map(|counts| counts.iter().max().copied().unwrap_or_default() as usize);
         (self, words, longest)
     }
 

@@ -12,12 +12,12 @@ use super::ShadowVolumeSoft;
 use super::gather::Gathered;
 use super::marked::mark_and_ask;
 
-/// In longer lists each edge is counted for itself, so that fewer rounds are gone.
-const LONGEST_SEARCHED: usize = 1 << 13;
-
 impl ShadowVolumeSoft {
     pub(super) fn plan_sampled(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        let Gathered { bindings, clusters, casters, edges, longest_list, triangles } = self.gather(light)?;
+        let gathered = self.gather(light)?;
+        // In each round the pixels that are drawn together, eight say, find their edges in turns, and count them in others.
+        let long_lists = gathered.has_long_lists(9 * self.samples.div_ceil(64) as usize);
+        let Gathered { bindings, clusters, casters, edges, triangles, .. } = gathered;
         if light.view.receiver_bounds.is_empty() {
             return Ok(());
         }
@@ -27,7 +27,7 @@ impl ShadowVolumeSoft {
             ("CLUSTERS", clusters),
             ("ONE_CASTER", casters == 1),
             ("DEEP", triangles >= 1 << 16),
-            ("LONG_LISTS", longest_list > LONGEST_SEARCHED),
+            ("LONG_LISTS", long_lists),
         ];
         let flags: Vec<&str> = wanted.iter().filter(|(_, wanted)| *wanted).map(|(flag, _)| *flag).collect();
         let shaders = ["mark", "sampled"].map(|fragment| shader(self.samples, &flags, fragment));

@@ -412,12 +412,28 @@ fn seen_hides_center(t: SeenTriangle) -> i32 {
     return select(-weight, weight, (t.bits & 1u) != 0u) * turns;
 }
 
+#if LONG_LISTS
+// The same of the triangle at a place of a list that ends at `end`.
+fn listed_over_center(place: u32, end: u32, r: Receiver) -> i32 {
+    return select(0, hides_center(list_word(min(place, end - 1u)), r), place < end);
+}
+#endif
+
 // How many of the listed triangles hide the light's centre.
 fn center_count(list: CellList, r: Receiver) -> i32 {
     var count = 0;
+#if LONG_LISTS
+    for (var place = list.first; place < list.end; place += 8u) {
+        count += hides_center(list_word(place), r) + listed_over_center(place + 1u, list.end, r)
+            + listed_over_center(place + 2u, list.end, r) + listed_over_center(place + 3u, list.end, r)
+            + listed_over_center(place + 4u, list.end, r) + listed_over_center(place + 5u, list.end, r)
+            + listed_over_center(place + 6u, list.end, r) + listed_over_center(place + 7u, list.end, r);
+    }
+#else
     for (var place = list.first; place < list.end; place += 1u) {
         count += hides_center(list_word(place), r);
     }
+#endif
     return count;
 }
 
