@@ -25,6 +25,7 @@ mod clusters;
 mod gather;
 mod lists;
 mod marked;
+mod near;
 mod options;
 mod packed;
 mod per_receiver;

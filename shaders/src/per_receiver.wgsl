@@ -57,17 +57,6 @@ fn chain_share(lists: Lists, r: Receiver, k: f32, disc: DiscView) -> f32 {
 }
 
 #if CLUSTERS
-// Whether a triangle may cover a part of the disc, or the centre where that alone counts.
-fn may_cover(t: SeenTriangle, r: Receiver, disc: DiscView) -> bool {
-    let reach = r.k * vec3f(length(t.ab.yz), length(t.bc.yz), length(t.ac.yz)) * 1.00001;
-    // Its three edges one way round. What is to the left of one as a whole and to the right of another is outside.
-    let heights = vec3f(t.ab.x, t.bc.x, -t.ac.x);
-    let is_outside = any(heights > reach) && any(heights < -reach);
-    let farthest = max(t.a.z, max(t.b.z, t.c.z));
-    let nearest = min(t.a.z, min(t.b.z, t.c.z));
-    return weight_of(t.side, t.bits) != 0 && !is_outside && farthest > 0.0 && nearest < disc.far;
-}
-
 // The share that one triangle covers, whether before, in or beyond the light.
 fn share_of(t: SeenTriangle, r: Receiver, k: f32, disc: DiscView) -> f32 {
     let side = weight_of(t.side, t.bits);
@@ -77,33 +66,16 @@ fn share_of(t: SeenTriangle, r: Receiver, k: f32, disc: DiscView) -> f32 {
     return select(f32(select(-side, side, (t.bits & 1u) != 0u)) * share, of_center, r.k == 0.0);
 }
 
-// The share that the first `count` clusters cover, triangle by triangle.
-fn clusters_share(count: u32, r: Receiver, k: f32, disc: DiscView) -> f32 {
+// The share that triangles cover which are asked one by one.
+fn nearby_share(lists: Lists, r: Receiver, k: f32, disc: DiscView) -> f32 {
     var share = 0.0;
-    var number = 0u;
-    var next = 0u;
-    var end = 0u;
+    var walk = near_walk(lists);
     loop {
-        while next == end && number < count {
-            let cluster = soft_clusters[number];
-            let is_reached = may_reach(cluster, r);
-            next = select(0u, cluster.first, is_reached);
-            end = select(0u, cluster.end, is_reached);
-            number += 1u;
-        }
-        if next == end {
+        let t = next_near(&walk, r);
+        if t.side == 0 {
             break;
         }
-        var t: SeenTriangle;
-        var covers = false;
-        while next < end && !covers {
-            t = seen_triangle(next, r);
-            covers = may_cover(t, r, disc);
-            next += 1u;
-        }
-        for (; covers; covers = false) {
-            share += share_of(t, r, k, disc);
-        }
+        share += share_of(t, r, k, disc);
     }
     return share;
 }
@@ -113,7 +85,7 @@ fn clusters_share(count: u32, r: Receiver, k: f32, disc: DiscView) -> f32 {
 fn covered(lists: Lists, r: Receiver, k: f32, disc: DiscView) -> f32 {
     var share = chain_share(lists, r, k, disc);
 #if CLUSTERS
-    share += clusters_share(lists.clusters, r, k, disc);
+    share += nearby_share(lists, r, k, disc);
 #endif
     return share;
 }

@@ -195,8 +195,7 @@ fn add_edges(list: CellList, r: Receiver, round: u32) {
 #if CLUSTERS
 // Samples that a triangle hides, whether it stands before the light or in it. Here nothing is counted, so that solids are
 // no other than soups.
-fn hidden_by(number: u32, r: Receiver, round: u32) -> vec2u {
-    let t = seen_triangle(number, r);
+fn hidden_by(t: SeenTriangle, r: Receiver, round: u32) -> vec2u {
     let scale = vec3f(1.0, r.k, r.k);
     // Over the plane: where samples are, with what the receiver's own height adds to it.
     let n = in_frame(r, t.plane.xyz);
@@ -211,28 +210,26 @@ fn hidden_by(number: u32, r: Receiver, round: u32) -> vec2u {
     return select(beyond & through, vec2u(0u), t.side == 0);
 }
 
-// Samples that clusters `first` … `end` − 1 hide.
-fn hidden_by_clusters(first: u32, end: u32, r: Receiver, round: u32) -> vec2u {
+// Samples that triangles hide which are asked one by one.
+fn hidden_nearby(lists: Lists, r: Receiver, round: u32) -> vec2u {
     var hidden = vec2u(0u);
-    for (var number = first; number < end; number += 1u) {
-        let cluster = soft_clusters[number];
-        if !may_reach(cluster, r) {
-            continue;
+    var walk = near_walk(lists);
+    loop {
+        let t = next_near(&walk, r);
+        if t.side == 0 {
+            break;
         }
-        for (var triangle = cluster.first; triangle < cluster.end; triangle += 1u) {
-            hidden |= hidden_by(triangle, r, round);
-        }
+        hidden |= hidden_by(t, r, round);
     }
     return hidden;
 }
-
 #endif
 
 // Samples that the casters hide, of which `over_center` hide the centre.
 fn hidden(r: Receiver, lists: Lists, over_center: i32, round: u32) -> vec2u {
     var dark = vec2u(0u);
 #if CLUSTERS
-    dark = hidden_by_clusters(0u, lists.clusters, r, round);
+    dark = hidden_nearby(lists, r, round);
 #endif
     set_counts(over_center);
     add_edges(lists.edges, r, round);

@@ -12,6 +12,7 @@ use shadowgraph_engine::shadow::{LightPlan, ShadowError, hash_of};
 use super::chain::{CasterChain, LightBall, SoftEdge, SoftTriangle};
 use super::clusters::clusters;
 use super::lists::{MAX_SLICES, SoftGrid, eye_distance};
+use super::near::near_lists;
 use super::packed::packed;
 use super::{Quality, ShadowVolumeSoft};
 use crate::GeometryMode;
@@ -50,6 +51,10 @@ pub(super) struct SoftHead {
     pub cluster_count: u32,
     pub triangle_side: u32,
     pub triangle_lists: u32,
+    pub near_lists: u32,
+    pub pad_0: u32,
+    pub pad_1: u32,
+    pub pad_2: u32,
     pub slice_ends: [f32; MAX_SLICES],
     pub center: [f32; 4],
     pub plane: GridPlane,
@@ -63,7 +68,7 @@ pub fn layouts() -> [(&'static str, Layout); 2] {
     let cluster = fields!(SoftCluster: center, radius_m, first, end, caster, pad_0);
     let head = fields!(SoftHead:
         world_x, plane_count, world_y, side, world_z, slice_count, light, origin, radius,
-        near_clusters, cluster_count, triangle_side, triangle_lists, slice_ends, center, plane);
+        near_clusters, cluster_count, triangle_side, triangle_lists, near_lists, pad_0, pad_1, pad_2, slice_ends, center, plane);
     [("SoftCluster", (cluster, size_of::<SoftCluster>())), ("SoftHead", (head, size_of::<SoftHead>()))]
 }
 
@@ -96,6 +101,8 @@ struct Chains {
     lists: Arc<Vec<u8>>,
     clusters: Arc<Vec<u8>>,
     near_clusters: usize,
+    /// Where lists of near triangles begin; 0 where there are none.
+    near_lists: usize,
     cluster_count: usize,
     edge_count: usize,
     triangle_count: usize,
@@ -358,6 +365,7 @@ impl ShadowVolumeSoft {
             cluster_count: chains.cluster_count as u32,
             triangle_side: *triangle_side as u32,
             triangle_lists: chains.grid.edge_lists() as u32 + 1,
+            near_lists: chains.near_lists as u32,
             ..head
         }
     }
@@ -374,6 +382,8 @@ impl Chains {
         let mut edges: Vec<SoftEdge> = Vec::new();
         let mut ends: Vec<[DVec3; 2]> = Vec::new();
         // Near triangles come first, cluster by cluster; then those of the chain.
+        let ball = grid.light;
+        let mut near_corners: Vec<[DVec3; 3]> = Vec::new();
         let mut near: (Vec<SoftCluster>, Vec<SoftTriangle>, Vec<Option<[DVec3; 3]>>) = Default::default();
         let mut far: (Vec<SoftCluster>, Vec<SoftTriangle>, Vec<Option<[DVec3; 3]>>) = Default::default();
         let mut centers = Vec::new();
@@ -400,6 +410,9 @@ impl Chains {
                         pad_0: 0,
                     });
                 }
+                if is_near {
+                    near_corners.extend(order.iter().map(|i| corners[*i]));
+                }
                 records.extend(order.iter().map(|i| SoftTriangle { caster, ..chosen[*i].record }));
                 listed.extend(order.iter().map(|i| chosen[*i].hides_center.then_some(corners[*i])));
             }
@@ -409,7 +422,20 @@ impl Chains {
             .zip(&far.2)
             .filter_map(|(number, corners)| Some((number, (*corners)?)))
             .collect();
-        let (grid, lists, longest_lists) = grid.lists(&ends, &listed);
+        let (grid, mut lists, mut longest_lists) = grid.lists(&ends, &listed);
+        let mut first_near_list = 0;
+        if let Some(of_cells) = near_lists(&ball, &near_corners) {
+            first_near_list = lists.len();
+            let mut place = (lists.len() + of_cells.len() + 1) as u32;
+            lists.push(place);
+            for list in &of_cells {
+                place += list.len() as u32;
+                lists.push(place);
+            }
+            lists.extend(of_cells.iter().flatten());
+            // Each round of samples walks them.
+            longest_lists[1] += 4 * of_cells.iter().map(Vec::len).max().unwrap_or_default();
+        }
         let shifted = far.0.iter().map(|cluster| SoftCluster {
             first: cluster.first + near_count as u32,
             end: cluster.end + near_count as u32,
@@ -429,6 +455,7 @@ impl Chains {
             lists: bytes(cast_slice(&lists)),
             clusters: bytes(cast_slice(&all_clusters)),
             near_clusters,
+            near_lists: first_near_list,
             cluster_count: all_clusters.len(),
             edge_count,
             triangle_count,

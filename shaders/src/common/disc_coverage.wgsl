@@ -199,17 +199,20 @@ fn triangle_share(disc: DiscView, a: vec3f, b: vec3f, c: vec3f) -> f32 {
     outline.corners[1] = b;
     outline.corners[2] = c;
     let reach = max(max(abs(a.xy), abs(b.xy)), abs(c.xy));
-    if max(reach.x, reach.y) > WIDEST * min(a.z, min(b.z, c.z)) {
-        outline = cut_outline(outline, vec4f(1.0, 0.0, WIDEST, 0.0), 0.0);
-        outline = cut_outline(outline, vec4f(-1.0, 0.0, WIDEST, 0.0), 0.0);
-        outline = cut_outline(outline, vec4f(0.0, 1.0, WIDEST, 0.0), 0.0);
-        outline = cut_outline(outline, vec4f(0.0, -1.0, WIDEST, 0.0), 0.0);
-    }
-    if max(a.z, max(b.z, c.z)) > disc.far {
-        outline = cut_outline(outline, vec4f(0.0, 0.0, -1.0, disc.far), 0.0);
-    }
-    if disc.dips {
-        outline = cut_outline(outline, vec4f(disc.horizon, 0.0), disc.margin);
+    let is_wide = max(reach.x, reach.y) > WIDEST * min(a.z, min(b.z, c.z));
+    let is_beyond = max(a.z, max(b.z, c.z)) > disc.far;
+    // Plane by plane, and only those that cut: a loop, since pixels that are drawn together skip only loops.
+    for (var i = 0u; i < 6u; i += 1u) {
+        var cuts = select(select(is_wide, is_beyond, i == 4u), disc.dips, i == 5u);
+        let out = select(-1.0, 1.0, (i & 1u) == 0u);
+        var inside = vec4f(select(vec2f(0.0, out), vec2f(out, 0.0), i < 2u), WIDEST, 0.0);
+        inside = select(inside, vec4f(0.0, 0.0, -1.0, disc.far), i == 4u);
+        inside = select(inside, vec4f(disc.horizon, 0.0), i == 5u);
+        let margin = select(0.0, disc.margin, i == 5u);
+        while cuts {
+            outline = cut_outline(outline, inside, margin);
+            cuts = false;
+        }
     }
     var share = 0.0;
     for (var i = 0u; i < outline.count; i += 1u) {

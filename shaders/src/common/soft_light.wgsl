@@ -51,6 +51,11 @@ struct SoftHead {
     // Cells along a side of a plane for triangles, and where their lists begin.
     triangle_side: u32,
     triangle_lists: u32,
+    // Where the lists of near triangles begin, by directions from the light's centre; 0 where there are none.
+    near_lists: u32,
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
     // Where slices end, as distances from the light, or along its direction from the planes' origin.
     slice_ends: array<vec4f, 2>,
     // From the eye to the middle of the only caster's bounds, and how far that is.
@@ -94,7 +99,7 @@ fn soft_vertex(@builtin(vertex_index) index: u32) -> SoftVaryings {
     out.light = s.light;
     out.origin = vec4f(s.origin, s.radius);
     out.grid = vec4u(s.plane_count, s.side, s.slice_count, s.triangle_side);
-    out.lists = vec4u(s.near_clusters, s.cluster_count, s.triangle_lists, 0u);
+    out.lists = vec4u(s.near_clusters, s.cluster_count, s.triangle_lists, s.near_lists);
     out.low_slices = s.slice_ends[0];
     out.high_slices = s.slice_ends[1];
     out.plane_x = s.plane.x_axis;
@@ -120,6 +125,7 @@ fn take_light(in: SoftVaryings) {
     soft.near_clusters = in.lists.x;
     soft.cluster_count = in.lists.y;
     soft.triangle_lists = in.lists.z;
+    soft.near_lists = in.lists.w;
     soft.slice_ends[0] = in.low_slices;
     soft.slice_ends[1] = in.high_slices;
     soft.plane.x_axis = in.plane_x;
@@ -252,6 +258,8 @@ struct CellList {
 struct Lists {
     edges: CellList,
     triangles: CellList,
+    // Triangles that are in no other list.
+    near: CellList,
     // So many clusters from the first.
     clusters: u32,
 }
@@ -264,20 +272,29 @@ struct Cell {
     place: vec2f,
 }
 
-fn cell_of(r: Receiver) -> Cell {
-    let d = r.p - soft.origin;
+// Where a direction meets the cube of faces +x, −x, +y, −y, +z, −z: away from the middle first, then across and up.
+struct OnCube {
+    face: u32,
+    place: vec3f,
+}
+
+fn on_cube(d: vec3f) -> OnCube {
     let size = abs(d);
     let second = size.y > size.x;
     let third = size.z > max(size.x, size.y);
     let axis = select(select(0u, 1u, second), 2u, third);
-    // Away from the light first, then as the cube's faces have across and up.
-    let on_face = select(select(d.xyz, d.yzx, second), d.zxy, third);
-    let face = axis * 2u + select(0u, 1u, on_face.x < 0.0);
+    let place = select(select(d.xyz, d.yzx, second), d.zxy, third);
+    return OnCube(axis * 2u + select(0u, 1u, place.x < 0.0), vec3f(abs(place.x), place.yz));
+}
+
+fn cell_of(r: Receiver) -> Cell {
+    let d = r.p - soft.origin;
+    let cube = on_cube(d);
     let in_plane = vec3f(dot(soft.plane.z_axis, d) + soft.plane.z_offset, dot(soft.plane.x_axis, d), dot(soft.plane.y_axis, d));
     let six = soft.plane_count > 1u;
-    let seen = select(in_plane, vec3f(abs(on_face.x), on_face.yz), six);
+    let seen = select(in_plane, cube.place, six);
     let inside = seen.x > 0.0 && all(abs(seen.yz) <= vec2f(seen.x * 1.00001));
-    return Cell(inside, select(0u, face, six), seen.yz / seen.x * 0.5 + 0.5);
+    return Cell(inside, select(0u, cube.face, six), seen.yz / seen.x * 0.5 + 0.5);
 }
 
 fn cell_number(cell: Cell, layer: u32, side: u32) -> u32 {
@@ -285,26 +302,38 @@ fn cell_number(cell: Cell, layer: u32, side: u32) -> u32 {
     return (layer * side + place.y) * side + place.x;
 }
 
+fn list_at(place: u32) -> CellList {
+    return CellList(list_word(place), list_word(place + 1u));
+}
+
+// See near.rs of the technique.
+const NEAR_SIDE: u32 = 12u;
+const NEAR_MARGIN: f32 = 1e-3;
+
 fn lists_of(r: Receiver) -> Lists {
     let none = CellList(0u, 0u);
     // Nearer than two radii to the light, all triangles are asked.
     if soft.light.w > 0.0 && r.light_distance < 2.0 * soft.radius {
-        return Lists(none, none, soft.cluster_count);
+        return Lists(none, none, none, soft.cluster_count);
     }
+    // Near triangles are listed by the direction from the light, where that is known well enough.
+    let from_light = on_cube(-r.w);
+    let near_cell = Cell(true, from_light.face, from_light.place.yz / from_light.place.x * 0.5 + 0.5);
+    let lost = ROUNDING * (2.0 * length(r.p) + r.light_distance);
+    let is_listed = soft.near_lists > 0u && lost < NEAR_MARGIN * r.light_distance;
+    let near_list = list_at(soft.near_lists + cell_number(near_cell, near_cell.plane, NEAR_SIDE));
+    let near = CellList(select(0u, near_list.first, is_listed), select(0u, near_list.end, is_listed));
+    let clusters = select(soft.near_clusters, 0u, is_listed);
     let cell = cell_of(r);
     if !cell.inside {
-        return Lists(none, none, soft.near_clusters);
+        return Lists(none, none, near, clusters);
     }
     let along = select(dot(soft.plane.away, r.p - soft.origin), r.light_distance, soft.light.w > 0.0);
     let before = vec4u(vec4f(along) > soft.slice_ends[0]) + vec4u(vec4f(along) > soft.slice_ends[1]);
     let slice = min(before.x + before.y + before.z + before.w, soft.slice_count - 1u);
     let edges = cell_number(cell, cell.plane * soft.slice_count + slice, soft.side);
     let triangles = soft.triangle_lists + cell_number(cell, cell.plane, soft.triangle_side);
-    return Lists(
-        CellList(list_word(edges), list_word(edges + 1u)),
-        CellList(list_word(triangles), list_word(triangles + 1u)),
-        soft.near_clusters,
-    );
+    return Lists(list_at(edges), list_at(triangles), near, clusters);
 }
 
 // On which side of a plane the receiver is, `from_center` from the centre of the plane's caster: 0 when rounding cannot
@@ -490,6 +519,55 @@ fn may_reach(cluster: SoftCluster, r: Receiver) -> bool {
     // Over the cone's flank by less than the radius, and not wholly behind the point or beyond the disc.
     let beyond = select(d.z - radius_m * 1.00001 > r.light_distance, false, soft.light.w == 0.0);
     return across - r.k * d.z <= radius_m * sqrt(1.0 + r.k * r.k) * 1.00001 && d.z >= -radius_m * 1.00001 && !beyond;
+}
+
+// Triangles that are asked one by one: those of a list, and those of the clusters in reach.
+struct NearWalk {
+    next: u32,
+    end: u32,
+    cluster: u32,
+    clusters: u32,
+    in_list: bool,
+}
+
+fn near_walk(lists: Lists) -> NearWalk {
+    return NearWalk(lists.near.first, lists.near.end, 0u, lists.clusters, true);
+}
+
+// Whether a triangle may hide a part of the light.
+fn may_hide(t: SeenTriangle, r: Receiver) -> bool {
+    // Its three edges one way round. What lies left of one as a whole and right of another lies outside.
+    let heights = vec3f(t.ab.x, t.bc.x, -t.ac.x);
+    let reach = r.k * vec3f(length(t.ab.yz), length(t.bc.yz), length(t.ac.yz)) * 1.00001;
+    let is_outside = any(heights > reach) && any(heights < -reach);
+    let farthest = max(t.a.z, max(t.b.z, t.c.z));
+    let nearest = min(t.a.z, min(t.b.z, t.c.z));
+    return t.side != 0 && !is_outside && farthest > 0.0 && nearest < r.light_distance;
+}
+
+// The next of them that may hide a part of the light; with side 0 when there is none.
+fn next_near(walk: ptr<function, NearWalk>, r: Receiver) -> SeenTriangle {
+    var t: SeenTriangle;
+    var found = false;
+    // Pixels that are drawn together look for the next one each by itself.
+    while !found && ((*walk).next < (*walk).end || (*walk).cluster < (*walk).clusters) {
+        while (*walk).next == (*walk).end && (*walk).cluster < (*walk).clusters {
+            let cluster = soft_clusters[(*walk).cluster];
+            let is_reached = may_reach(cluster, r);
+            (*walk).next = select(0u, cluster.first, is_reached);
+            (*walk).end = select(0u, cluster.end, is_reached);
+            (*walk).cluster += 1u;
+            (*walk).in_list = false;
+        }
+        while !found && (*walk).next < (*walk).end {
+            let next = (*walk).next;
+            t = seen_triangle(select(next, list_word(next), (*walk).in_list), r);
+            found = may_hide(t, r);
+            (*walk).next += 1u;
+        }
+    }
+    t.side = select(0, t.side, found);
+    return t;
 }
 #endif
 #endif

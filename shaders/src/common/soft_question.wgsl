@@ -30,7 +30,8 @@ fn question_at(position: vec2f) -> Question {
 #if CASTERS
     q.lists = lists_of(q.r);
     let listed = q.lists.edges.first < q.lists.edges.end || q.lists.triangles.first < q.lists.triangles.end;
-    q.lit = q.lit && !listed && q.lists.clusters == 0u;
+    let is_near = q.lists.near.first < q.lists.near.end || q.lists.clusters > 0u;
+    q.lit = q.lit && !listed && !is_near;
 #endif
     q.lit = q.lit || depth == 0.0 || normal.w == 0.0;
     return q;
