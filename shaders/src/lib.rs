@@ -38,6 +38,7 @@ modules![
     "common/material",
     "common/positions",
     "common/soft_light",
+    "common/soft_near",
     "common/soft_question",
     "common/surface",
     "common/transmission",

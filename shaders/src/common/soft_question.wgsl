@@ -1,6 +1,8 @@
 // What is asked at every pixel before anything is reckoned: most of a picture is lit as a whole, and ends here. All that
 // knows a light by `common/soft_light` begins with it, in a draw of its own that marks the rest.
 
+#import common/soft_light
+
 // What is known of a pixel before its frame is.
 struct Question {
     r: Receiver,
