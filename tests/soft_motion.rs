@@ -14,6 +14,7 @@ mod twin;
 
 use glam::{DVec3, Vec3};
 use shadowgraph::engine::scene::ParamValue;
+use shadowgraph::measure::evaluate;
 use shadowgraph::prelude::*;
 use stage::{Lamp, Stage, block};
 
@@ -82,6 +83,46 @@ fn largest_jump(renderer: &mut Renderer, stages: Vec<Stage>, quality: &str, samp
         last = Some(now);
     }
     largest
+}
+
+/// The same against the reference with the same samples.
+fn largest_jump_beyond_the_samples_own(renderer: &mut Renderer, stages: Vec<Stage>) -> f64 {
+    let mut last: Option<Vec<(f64, f64)>> = None;
+    let mut largest = 0.0_f64;
+    for mut stage in stages {
+        // So that a sample, which rounding may decide either way, is less than what is allowed.
+        stage.options.push(("samples", ParamValue::Number(256.0)));
+        let judged = evaluate(renderer, &stage.scene("sampled"), &Stage::request(), &|_, _| {}).unwrap();
+        let (own, right) = (&judged.measured.lights[0].1, &judged.reference.lights[0]);
+        assert!(judged.errors[0].same_samples.is_some() && judged.errors[0].passes(), "{:?}", judged.errors);
+        let seen = judged.measured.ids.iter().zip(&judged.reference.hits);
+        let seen = seen.map(|(ids, hit)| hit.is_some_and(|hit| [hit.instance, hit.triangle] == *ids));
+        let pairs = own.iter().zip(&right.factor).zip(seen.zip(&right.compared));
+        let now: Vec<(f64, f64)> = pairs
+            .map(|((own, right), (seen, compared))| match seen && *compared {
+                true => (f64::from(*own), f64::from(*right)),
+                false => (f64::NAN, f64::NAN),
+            })
+            .collect();
+        // What is not seen in both is no number, and no maximum.
+        for (before, now) in last.iter().flatten().zip(&now) {
+            largest = largest.max((now.0 - before.0).abs() - (now.1 - before.1).abs());
+        }
+        last = Some(now);
+    }
+    largest
+}
+
+#[test]
+fn samples_change_as_the_references_samples_do() {
+    let Some(mut renderer) = common::renderer() else { return };
+    for (name, mut stages) in motions() {
+        // Those about the middle, where things pass each other.
+        let stages = stages.drain(4..8).collect();
+        let jump = largest_jump_beyond_the_samples_own(&mut renderer, stages);
+        println!("sampled {name}: {jump:.5}");
+        assert!(jump <= JUMP, "{name}: {jump}");
+    }
 }
 
 #[test]

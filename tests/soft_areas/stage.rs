@@ -59,8 +59,8 @@ impl Stage {
         Self { casters, lamp, options: Vec::new() }
     }
 
-    /// The factors of `quality` at the floor.
-    pub(crate) fn factors(&self, renderer: &mut Renderer, quality: &str) -> Pixels {
+    /// The floor, the casters, the lamp and a node of `quality`.
+    pub(crate) fn scene(&self, quality: &str) -> Scene {
         let mut scene = Scene::new();
         let floor = shapes::plane(glam::Vec2::splat(6.0));
         scene.add_mesh(Mesh::new(floor).unwrap(), Material::default(), DAffine3::IDENTITY);
@@ -77,10 +77,20 @@ impl Stage {
             "soft",
             ShadowNode { technique: "ShadowVolumeSoft".into(), params, ..ShadowNode::default() },
         );
+        scene
+    }
+
+    /// What is looked at.
+    pub(crate) fn request() -> FrameRequest {
         let camera = Camera::perspective("eye", 0.9);
-        let camera = PosedCamera::looking(camera, DVec3::new(3.5, 5.0, 4.5), DVec3::new(0.0, 0.0, 0.0));
-        let request = FrameRequest::new(camera.clone(), SIZE_PX);
-        let measured = crate::common::measure(renderer, &scene, &request).unwrap();
+        FrameRequest::new(PosedCamera::looking(camera, DVec3::new(3.5, 5.0, 4.5), DVec3::ZERO), SIZE_PX)
+    }
+
+    /// The factors of `quality` at the floor.
+    pub(crate) fn factors(&self, renderer: &mut Renderer, quality: &str) -> Pixels {
+        let request = Self::request();
+        let camera = &request.camera;
+        let measured = crate::common::measure(renderer, &self.scene(quality), &request).unwrap();
         let world_from_view = camera.world_from_view;
         let mut pixels = Vec::new();
         for (pixel, ids) in measured.ids.iter().enumerate() {
