@@ -30,6 +30,8 @@ mod options;
 mod packed;
 mod per_receiver;
 mod sampled;
+mod sides;
+mod slices;
 mod wedge;
 
 use shadowgraph_engine::scene::{Instance, Params};

@@ -4,16 +4,17 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use glam::DVec3;
-use shadowgraph_engine::math::Aabb;
+use shadowgraph_engine::math::{Aabb, Projection};
 use shadowgraph_engine::plan::{Binding, BufferUsage};
 use shadowgraph_engine::scene::Instance;
 use shadowgraph_engine::shadow::{LightPlan, ShadowError, hash_of};
 
 use super::chain::{CasterChain, LightBall, SoftEdge, SoftTriangle};
 use super::clusters::clusters;
-use super::lists::{MAX_SLICES, SoftGrid, eye_distance};
+use super::lists::{ListedEdge, SoftGrid};
 use super::near::near_lists;
 use super::packed::packed;
+use super::slices::{LARGEST_DISC, MAX_SLICES, eye_distance};
 use super::{Quality, ShadowVolumeSoft};
 use crate::GeometryMode;
 use crate::common::listed::{GridPlane, Layout};
@@ -71,10 +72,6 @@ pub fn layouts() -> [(&'static str, Layout); 2] {
         near_clusters, cluster_count, triangle_side, triangle_lists, near_lists, pad_0, pad_1, pad_2, slice_ends, center, plane);
     [("SoftCluster", (cluster, size_of::<SoftCluster>())), ("SoftHead", (head, size_of::<SoftHead>()))]
 }
-
-/// A disc is at most this much larger than the light's radius for receivers no nearer than two radii: 2/√3. Nearer
-/// receivers ask all triangles.
-const LARGEST_DISC: f64 = 1.154_700_538_379_252;
 
 /// What the shaders read of a light and its casters.
 #[derive(Default)]
@@ -167,7 +164,13 @@ impl ShadowVolumeSoft {
         }
         let receivers = light.posed.world_bounds;
         let keys: Vec<u64> = chains.iter().map(|(_, key)| *key).collect();
-        let eye_m = eye_distance(light.view.camera.world_from_view.translation, &bounds);
+        let camera = &light.view.camera;
+        // Orthographic depths are as coarse everywhere as at a distance of their whole range.
+        let depths_m = match camera.projection {
+            Projection::Orthographic { near_m, far_m, .. } => far_m - near_m,
+            Projection::Perspective { .. } => 0.0,
+        };
+        let eye_m = eye_distance(camera.world_from_view.translation, &bounds, depths_m);
         let key = hash_of((
             &keys,
             [receivers.min, receivers.max].map(|corner| corner.to_array().map(f64::to_bits)),
@@ -380,7 +383,7 @@ fn from_eye(light: &LightPlan<'_>, center: DVec3) -> [f32; 4] {
 impl Chains {
     fn new<'a>(grid: SoftGrid, casters: impl Iterator<Item = &'a CasterChain>) -> Self {
         let mut edges: Vec<SoftEdge> = Vec::new();
-        let mut ends: Vec<[DVec3; 2]> = Vec::new();
+        let mut listed_edges: Vec<ListedEdge> = Vec::new();
         // Near triangles come first, cluster by cluster; then those of the chain.
         let ball = grid.light;
         let mut near_corners: Vec<[DVec3; 3]> = Vec::new();
@@ -391,7 +394,12 @@ impl Chains {
             let caster = number as u32;
             centers.push(chain.center);
             edges.extend(chain.edges.iter().map(|edge| SoftEdge { caster, ..edge.record }));
-            ends.extend(chain.edges.iter().map(|edge| edge.ends));
+            let center = chain.center;
+            listed_edges.extend(chain.edges.iter().map(|edge| ListedEdge {
+                ends: edge.ends,
+                record: edge.record,
+                center,
+            }));
             for (is_near, (clusters_of, records, listed)) in [(true, &mut near), (false, &mut far)] {
                 let chosen: Vec<_> =
                     chain.triangles.iter().filter(|triangle| triangle.near == is_near).collect();
@@ -422,7 +430,7 @@ impl Chains {
             .zip(&far.2)
             .filter_map(|(number, corners)| Some((number, (*corners)?)))
             .collect();
-        let (grid, mut lists, mut longest_lists) = grid.lists(&ends, &listed);
+        let (grid, mut lists, mut longest_lists) = grid.lists(&listed_edges, &listed);
         let mut first_near_list = 0;
         if let Some(of_cells) = near_lists(&ball, &near_corners) {
             first_near_list = lists.len();

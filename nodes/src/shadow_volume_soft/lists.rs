@@ -3,11 +3,11 @@
 //! A receiver's point p lies in one cell, seen from the centre, and in one *slice*: between two distances from it (for a
 //! directional light, along its direction). The way from p to any sample of the light stays within t·R of the way to the
 //! centre, t from 0 at p to 1 at the light. So an edge at distance z is touched from within the slice up to distance d only
-//! through cells about R·(1 − z/d) around its image: it is listed in these, and in no slice that ends before z. Triangles
-//! between p and the centre are listed without that margin.
+//! through cells about R·(1 − z/d) around its image: it is listed in these, and in no slice that ends before z; and in no
+//! cell from all of which it is no silhouette, see `sides`. Triangles between p and the centre are listed without that margin.
 //!
 //! *Nothing is lost.* All of it is f64 on the CPU, conservative, and enlarged by [`CELL_MARGIN`] of a cell and by what f32
-//! loses when the shader finds p's cell and sees edges from p ([`SoftGrid::lost`]): that grows with how far the eye is, and
+//! loses when the shader finds p's cell and sees edges from p ([`Distances::lost`]): that grows with how far the eye is, and
 //! p. It does not grow with the light's distance, since planes have their origin among the casters. Whatever is listed in
 //! vain changes nothing.
 
@@ -15,23 +15,21 @@ use glam::{DVec2, DVec3};
 use shadowgraph_engine::geometry::{LightGrid, LightPlane};
 use shadowgraph_engine::math::Aabb;
 
-use super::chain::LightBall;
+use super::chain::{LightBall, SoftEdge};
+use super::sides::{EdgeSides, Piece};
+use super::slices::Distances;
 
 /// By how much of a cell footprints are enlarged on every side.
 const CELL_MARGIN: f64 = 0.01;
-/// Half an ulp of 1 in f32: what one rounding loses at most.
-const HALF_ULP: f64 = 1.0 / (1 << 24) as f64;
-/// The eye's distance counts as the next power of this, so that lists are seldom made anew for it.
-const EYE_STEP: f64 = 16.0;
-/// Slices, at most: see `SoftHead` of soft_light.wgsl.
-pub(super) const MAX_SLICES: usize = 8;
 /// The most cells along a side, for edges and for triangles.
 const FINEST: usize = 256;
 const FINEST_OF_TRIANGLES: usize = 512;
 /// Words of lists, of edges and of triangles: as many as these, or as many for each edge and triangle; below what every adapter can bind.
-const LEAST_WORDS: usize = 1 << 20;
+const LEAST_WORDS: usize = 1 << 21;
 const WORDS_PER_PRIMITIVE: usize = 64;
 const MOST_WORDS: usize = 1 << 24;
+/// From so many edges, or triangles, it is told how many words all of them take.
+const SOME: usize = 256;
 
 /// What the light's centre looks through, and how far.
 #[derive(Clone, Debug)]
@@ -48,26 +46,18 @@ pub(super) struct SoftGrid {
     /// Receivers beyond the last are in the last.
     pub slice_ends: Vec<f64>,
     /// What goes into [`SoftGrid::lost`].
-    distances: Distances,
+    pub(super) distances: Distances,
 }
 
-/// How far things are from the planes' origin, in metres.
+/// An edge that may be a silhouette.
 #[derive(Clone, Copy, Debug)]
-struct Distances {
-    /// The eye, at most.
-    eye: f64,
-    /// The light; 0 for a direction.
-    light: f64,
-    /// What casts, at most.
-    casters: f64,
-    /// What receives, at most.
-    receivers: f64,
-}
-
-/// How far the eye may be from the middle of `casters`, in few steps.
-pub(super) fn eye_distance(eye: DVec3, casters: &Aabb) -> f64 {
-    let distance = casters.center().distance(eye).max(f64::MIN_POSITIVE);
-    EYE_STEP.powf((distance.ln() / EYE_STEP.ln()).ceil())
+pub(super) struct ListedEdge {
+    /// Its ends in the world.
+    pub ends: [DVec3; 2],
+    /// What the shader reads of it, and the middle of its caster.
+    pub record: SoftEdge,
+    /// The middle of its caster.
+    pub center: DVec3,
 }
 
 /// The cells of one plane and slice that something may be touched through.
@@ -76,15 +66,6 @@ struct Footprint {
     to: DVec2,
     /// In cells.
     reach: f64,
-}
-
-impl Distances {
-    /// What f32 loses of a receiver's place that is no further than `receivers` from the origin: of the eye's place twice,
-    /// and of differences, products and turns on the way, each a few roundings.
-    fn lost(&self, receivers: f64) -> f64 {
-        let receivers = receivers.min(self.receivers);
-        HALF_ULP * (4.0 * self.eye + 32.0 * (receivers + self.casters))
-    }
 }
 
 impl SoftGrid {
@@ -134,34 +115,9 @@ impl SoftGrid {
             }
         }
         let farthest = farthest + 1e-6 * (farthest.abs() + nearest.abs());
-        let slice_ends = if directional {
-            let from_origin = -planes[0].away.dot(planes[0].origin);
-            let place = |i: usize| nearest + (farthest - nearest) * (i + 1) as f64 / MAX_SLICES as f64;
-            (0..MAX_SLICES).map(|i| place(i) + from_origin).collect()
-        } else {
-            // Evenly in 1/distance, as penumbrae grow.
-            let (near, far) = (
-                1.0 / nearest.max(farthest * 1e-2).max(f64::MIN_POSITIVE),
-                1.0 / farthest.max(f64::MIN_POSITIVE),
-            );
-            let place = |i: usize| 1.0 / (near + (far - near) * (i + 1) as f64 / MAX_SLICES as f64);
-            (0..MAX_SLICES).map(place).collect()
-        };
+        let from_origin = if directional { -planes[0].away.dot(planes[0].origin) } else { 0.0 };
+        let slice_ends = vec![farthest + from_origin];
         Self { light, planes, side: 1, triangle_side: 1, slice_ends, distances }
-    }
-
-    /// By how much of metres f32 may move something that is `nearest` to the light, as receivers in `slice` see it.
-    fn lost(&self, nearest: f64, slice: usize) -> f64 {
-        let reach = if self.light.position.w == 0.0 {
-            // What lies over the casters: at most so far aside, and so far along.
-            let along =
-                self.slice_ends.get(slice + 1).map_or(f64::INFINITY, |_| self.slice_ends[slice].abs());
-            2.0 * self.distances.casters + along
-        } else {
-            // A receiver beyond is seen smaller, by as much as it is further away.
-            1.5 * nearest + self.distances.light
-        };
-        self.distances.lost(reach)
     }
 
     /// How many lists of edges there are.
@@ -174,46 +130,33 @@ impl SoftGrid {
         self.planes.len() * self.triangle_side * self.triangle_side
     }
 
-    /// How far from the way to the centre something may lie, which is at least `nearest` from it (along the planes'
-    /// direction, for a directional light), to be met on the way of a receiver in `slice` to a sample; `None` when it
-    /// lies beyond the slice.
-    fn reach(&self, nearest: f64, slice: usize) -> Option<f64> {
-        let end = self.slice_ends[slice];
-        let end = end * (1.0 + 1e-6 * end.signum()) + self.distances.lost(f64::INFINITY);
-        let radius = self.light.radius;
-        if self.light.position.w == 0.0 {
-            let way = end - nearest;
-            return (way >= 0.0).then_some(way * radius);
-        }
-        let whole = end.hypot(radius);
-        let rest = (nearest - radius).max(0.0);
-        (rest <= whole).then_some(radius * (1.0 - rest / whole))
-    }
-
-    /// How near a segment comes to the light, in the terms of slices.
-    fn nearest(&self, [a, b]: [DVec3; 2]) -> f64 {
-        if self.light.position.w == 0.0 {
-            let plane = &self.planes[0];
-            return (a - plane.origin).dot(plane.away).min((b - plane.origin).dot(plane.away));
-        }
-        self.light.distance_to_segment(a, b)
-    }
-
-    /// How far a triangle may be from a light at most where it is nearest: as far as its nearest corner.
-    fn nearest_of(&self, corners: [DVec3; 3]) -> f64 {
-        let light = self.light.position.truncate();
-        corners.iter().map(|corner| corner.distance(light)).fold(f64::INFINITY, f64::min)
-    }
-
-    /// Calls `visit` with plane, slice, column and row of every cell that a receiver may touch the edge through.
-    fn edge_cells(&self, ends: [DVec3; 2], visit: &mut impl FnMut(usize)) {
-        let nearest = self.nearest(ends);
-        for slice in 0..self.slice_ends.len() {
-            let Some(reach_m) = self.reach(nearest, slice) else { continue };
-            let reach_m = reach_m + self.lost(nearest, slice);
-            for (number, plane) in self.planes.iter().enumerate() {
-                let Some(footprint) = self.footprint(plane, ends, reach_m) else { continue };
-                self.cells_about(&footprint, |x, y| visit(self.cell(number, slice, x, y)));
+    /// Calls `visit` with every list whose receivers may touch the edge on their way to the light, where it may be a silhouette.
+    fn edge_cells(&self, edge: &ListedEdge, visit: &mut dyn FnMut(usize)) {
+        let nearest = self.nearest(edge.ends);
+        let half = (1.0 + 2.0 * CELL_MARGIN) / self.side as f64;
+        for (number, plane) in self.planes.iter().enumerate() {
+            let sides = EdgeSides::new(&edge.record, edge.center, plane);
+            let across = DVec2::new(plane.x_axis.length().recip(), plane.y_axis.length().recip());
+            for slice in 0..self.slice_ends.len() {
+                let Some(reach_m) = self.reach(nearest, slice) else { continue };
+                let reach_m = reach_m + self.lost(nearest, slice);
+                let Some(footprint) = self.footprint(plane, edge.ends, reach_m) else { continue };
+                let (range, unsure) = (self.range(nearest, slice), self.unsure(slice));
+                self.cells_about(&footprint, |x, y| {
+                    let middle = [x, y].map(|place| (2 * place + 1) as f64 / self.side as f64 - 1.0);
+                    let depths = if self.light.position.w == 0.0 {
+                        range
+                    } else {
+                        // How far it is to a depth of 1, across a cell.
+                        let slope = DVec2::from(middle) * across;
+                        let (length, spread) =
+                            ((1.0 + slope.length_squared()).sqrt(), half * across.length());
+                        [range[0].max(0.0) / (length + spread), range[1] / (length - spread).max(1.0)]
+                    };
+                    if sides.may_weigh(&Piece { middle, half, depths, unsure }) {
+                        visit(self.cell(number, slice, x, y));
+                    }
+                });
             }
         }
     }
@@ -299,34 +242,50 @@ impl SoftGrid {
     /// edges in their order, triangles by those given. At last how many edges, and how many triangles, the longest list has.
     pub(super) fn lists(
         mut self,
-        edges: &[[DVec3; 2]],
+        edges: &[ListedEdge],
         triangles: &[(u32, [DVec3; 3])],
     ) -> (Self, Vec<u32>, [usize; 2]) {
+        self.place_slices(edges);
         let budget = |primitives: usize| (primitives * WORDS_PER_PRIMITIVE).clamp(LEAST_WORDS, MOST_WORDS);
-        let mut edge_counts = self.edge_counts(edges);
+        // How many words finer cells would take is told from some of the edges and triangles.
+        let some = edges.iter().step_by(edges.len().div_ceil(SOME));
+        let stands_for = edges.len() as f64 / some.len().max(1) as f64;
         while self.side < FINEST {
             let finer = Self { side: self.side * 2, ..self.clone() };
-            if finer.edge_lists() > budget(edges.len()) {
+            let mut words = 0;
+            some.clone().for_each(|edge| finer.edge_cells(edge, &mut |_| words += 1));
+            if finer.edge_lists() + (f64::from(words) * stands_for) as usize > budget(edges.len()) {
                 break;
             }
-            let counts = finer.edge_counts(edges);
-            if sum(&counts) + counts.len() > budget(edges.len()) {
-                break;
-            }
-            (self, edge_counts) = (finer, counts);
+            self = finer;
         }
-        let mut triangle_counts = self.triangle_counts(triangles);
+        let some = triangles.iter().step_by(triangles.len().div_ceil(SOME));
+        let stands_for = triangles.len() as f64 / some.len().max(1) as f64;
         while self.triangle_side < FINEST_OF_TRIANGLES {
             let finer = Self { triangle_side: self.triangle_side * 2, ..self.clone() };
-            if finer.triangle_lists() > budget(triangles.len()) {
+            let mut words = 0;
+            some.clone().for_each(|(_, corners)| finer.triangle_cells(corners, &mut |_| words += 1));
+            if finer.triangle_lists() + (f64::from(words) * stands_for) as usize > budget(triangles.len()) {
                 break;
             }
-            let counts = finer.triangle_counts(triangles);
-            if sum(&counts) + counts.len() > budget(triangles.len()) {
-                break;
-            }
-            (self, triangle_counts) = (finer, counts);
+            self = finer;
         }
+        let (edge_counts, edge_entries) = loop {
+            let (counts, entries) = self.entries_of(self.edge_lists(), (0..).zip(edges), Self::edge_cells);
+            // Those that were asked may have been the small ones.
+            if entries.len() <= MOST_WORDS || self.side == 1 {
+                break (counts, entries);
+            }
+            self.side /= 2;
+        };
+        let (triangle_counts, triangle_entries) = loop {
+            let listed = triangles.iter().map(|(number, corners)| (*number, corners));
+            let (counts, entries) = self.entries_of(self.triangle_lists(), listed, Self::triangle_cells);
+            if entries.len() <= MOST_WORDS || self.triangle_side == 1 {
+                break (counts, entries);
+            }
+            self.triangle_side /= 2;
+        };
         let mut words = Vec::new();
         let mut place = (edge_counts.len() + triangle_counts.len() + 2) as u32;
         for counts in [&edge_counts, &triangle_counts] {
@@ -342,33 +301,34 @@ impl SoftGrid {
             words[next[list] as usize] = number;
             next[list] += 1;
         };
-        for (number, ends) in (0..).zip(edges) {
-            self.edge_cells(*ends, &mut |cell| put(cell, number));
-        }
-        for (number, corners) in triangles {
-            self.triangle_cells(*corners, &mut |cell| put(edge_counts.len() + 1 + cell, *number));
-        }
+        edge_entries.into_iter().for_each(|(list, number)| put(list as usize, number));
+        let first = edge_counts.len() + 1;
+        triangle_entries.into_iter().for_each(|(list, number)| put(first + list as usize, number));
         let longest = [&edge_counts, &triangle_counts]
             .map(|counts| counts.iter().max().copied().unwrap_or_default() as usize);
         (self, words, longest)
     }
 
-    fn edge_counts(&self, edges: &[[DVec3; 2]]) -> Vec<u32> {
-        let mut counts = vec![0_u32; self.edge_lists()];
-        edges.iter().for_each(|ends| self.edge_cells(*ends, &mut |cell| counts[cell] += 1));
-        counts
-    }
-
-    fn triangle_counts(&self, triangles: &[(u32, [DVec3; 3])]) -> Vec<u32> {
-        let mut counts = vec![0_u32; self.triangle_lists()];
-        triangles
-            .iter()
-            .for_each(|(_, corners)| self.triangle_cells(*corners, &mut |cell| counts[cell] += 1));
-        counts
+    /// What goes into each of so many lists: how many things, and (list, number) of each.
+    fn entries_of<'a, T: 'a>(
+        &self,
+        lists: usize,
+        things: impl Iterator<Item = (u32, &'a T)>,
+        cells_of: impl Fn(&Self, &T, &mut dyn FnMut(usize)),
+    ) -> (Vec<u32>, Vec<(u32, u32)>) {
+        let (mut counts, mut entries) = (vec![0; lists], Vec::new());
+        for (number, thing) in things {
+            cells_of(self, thing, &mut |list| {
+                counts[list] += 1;
+                entries.push((list as u32, number));
+            });
+        }
+        (counts, entries)
     }
 
     /// Calls `visit` with every list whose receivers may have the triangle before the light's centre.
-    fn triangle_cells(&self, corners: [DVec3; 3], visit: &mut impl FnMut(usize)) {
+    fn triangle_cells(&self, corners: &[DVec3; 3], visit: &mut dyn FnMut(usize)) {
+        let corners = *corners;
         let side = self.triangle_side;
         let grid = LightGrid::from_planes(&self.planes, side);
         // The last slice holds those that lose most.
@@ -379,10 +339,6 @@ impl SoftGrid {
             });
         }
     }
-}
-
-fn sum(counts: &[u32]) -> usize {
-    counts.iter().map(|count| *count as usize).sum()
 }
 
 /// The part of a segment where outside·h ≤ `beyond`; `None` when there is none.
