@@ -248,7 +248,7 @@ impl SoftGrid {
         self.place_slices(edges);
         let budget = |primitives: usize| (primitives * WORDS_PER_PRIMITIVE).clamp(LEAST_WORDS, MOST_WORDS);
         // How many words finer cells would take is told from some of the edges and triangles.
-        let some = edges.iter().step_by(edges.len().div_ceil(SOME));
+        let some = edges.iter().step_by(edges.len().div_ceil(SOME).max(1));
         let stands_for = edges.len() as f64 / some.len().max(1) as f64;
         while self.side < FINEST {
             let finer = Self { side: self.side * 2, ..self.clone() };
@@ -259,7 +259,7 @@ impl SoftGrid {
             }
             self = finer;
         }
-        let some = triangles.iter().step_by(triangles.len().div_ceil(SOME));
+        let some = triangles.iter().step_by(triangles.len().div_ceil(SOME).max(1));
         let stands_for = triangles.len() as f64 / some.len().max(1) as f64;
         while self.triangle_side < FINEST_OF_TRIANGLES {
             let finer = Self { triangle_side: self.triangle_side * 2, ..self.clone() };
