@@ -61,10 +61,9 @@ impl Moved {
             let (from, direction) = view.ray([x + sign(0) * PIXEL_MOVE, y + sign(1) * PIXEL_MOVE]);
             let t = surface.plane_parameter(from, direction).filter(|t| *t > 0.0);
             let t = t.map(|t| view.distance_moved(t, sign(2) * f64::from(DEPTH_ULPS)));
-            match t.filter(|t| t.is_finite() && *t > 0.0) {
-                Some(t) => *corner = from + direction * t,
-                // Single moves in these ways are lost too.
-                None => {}
+            // Where it leads nowhere, single moves are lost too.
+            if let Some(t) = t.filter(|t| t.is_finite() && *t > 0.0) {
+                *corner = from + direction * t;
             }
         }
         let eye_side = surface.facing(view.eye);
