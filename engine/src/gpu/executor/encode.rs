@@ -20,8 +20,8 @@ use crate::scene::{Instance, Material, Posed};
 
 /// The flags of surface_shade for what a draw reads, by binding number (the depth of samples is number 3, weights of
 /// shadows number 7), and at numbers that no binding has: whether a visibility has one channel, whether any light has
-/// smooth terminators, whether any factor holds own shadows, whether there is one factor only.
-const READ_FLAGS: [&str; 9] = [
+/// smooth terminators, whether any factor holds own shadows, whether there is one factor only, whether a layer is drawn.
+const READ_FLAGS: [&str; 10] = [
     "COUNTS",
     "MASK",
     "VISIBILITY",
@@ -31,7 +31,11 @@ const READ_FLAGS: [&str; 9] = [
     "OWN_SHADOW",
     "TINTED",
     "ONE_FACTOR",
+    "LAYER",
 ];
+
+/// The binding number of counts where a layer is drawn; those of mask, visibility and weights follow at their distance.
+const LAYER_COUNTS: u32 = 5;
 
 /// Those of [`READ_FLAGS`] that say where factors are.
 const FACTOR_FLAGS: u32 = 0b111;
@@ -305,12 +309,18 @@ impl Executor {
             SurfaceStyle::Depth => ("surface_depth", None),
             SurfaceStyle::Opaque => ("surface_shade", Some("opaque")),
             SurfaceStyle::Blended => ("surface_shade", Some("blended")),
+            SurfaceStyle::Tint => ("surface_shade", Some("shine_through")),
+            SurfaceStyle::Layer => ("surface_shade", Some("shaded_layer")),
+            SurfaceStyle::LayerTint => ("surface_shade", Some("shine_through_layer")),
             SurfaceStyle::Pulled | SurfaceStyle::PulledMasked => return None,
         };
         // Depth has nothing to reflect.
         let function = material.surface.as_ref().filter(|_| style != SurfaceStyle::Depth);
         features |= u32::from(function.is_some()) << SURFACE_FUNCTION;
         let mut read: u32 = draw.bindings.iter().map(|(number, _)| 1 << number).sum();
+        if style.is_pulled() {
+            read = read >> LAYER_COUNTS | 1 << 9;
+        }
         if let [light] = &scene.plan.lights[..] {
             // Where one light's factor is, is known now: the shader need not ask.
             let flags = light.factors().fold(0, |flags, part| flags | factor_flag(part.at));
@@ -403,7 +413,8 @@ impl Surface {
     fn has_material(self) -> bool {
         match self {
             Self::Mesh { style: SurfaceStyle::Opaque | SurfaceStyle::Blended, .. } => true,
-            Self::Mesh { style: SurfaceStyle::PulledMasked, .. } => true,
+            Self::Mesh { style: SurfaceStyle::Tint | SurfaceStyle::PulledMasked, .. } => true,
+            Self::Mesh { style: SurfaceStyle::Layer | SurfaceStyle::LayerTint, .. } => true,
             Self::Mesh { style: SurfaceStyle::Depth, masked, .. } => masked,
             Self::Mesh { style: SurfaceStyle::Pulled, .. } | Self::Technique { .. } => false,
         }
@@ -412,8 +423,8 @@ impl Surface {
     /// How many bindings of group 1 its geometry brings: positions, indices, attributes.
     fn own_bindings(self) -> u32 {
         match self {
-            Self::Mesh { style: SurfaceStyle::PulledMasked, .. } => 3,
             Self::Mesh { style: SurfaceStyle::Pulled, .. } => 2,
+            Self::Mesh { style, .. } if style.is_pulled() => 3,
             Self::Technique { indexed: true } => 1,
             _ => 0,
         }
