@@ -10,7 +10,7 @@
 mod common;
 
 use shadowgraph::cases::{self, Case, sweeps};
-use shadowgraph::measure::Measured;
+use shadowgraph::measure::{ErrorTable, LayerEvaluation, Measured, evaluate_layers};
 use shadowgraph::prelude::*;
 use shadowgraph_engine::manager::{Adapter, FrameError, plan_frame};
 use shadowgraph_engine::plan::{FramePlan, SlotKind, TextureFormat};
@@ -195,6 +195,86 @@ fn nodes_that_share_a_light_multiply() {
             );
         }
     }
+}
+
+/// Every layer of every light that the view has, judged: how many pixels were compared.
+fn exact_on_layers(renderer: &mut Renderer, name: &str, scene: &Scene, request: &FrameRequest) -> usize {
+    let count = renderer.plan(scene, request).unwrap().layers;
+    let layers = evaluate_layers(renderer, scene, request, 0..count, &|_, _| {}).unwrap();
+    let mut compared = 0;
+    for LayerEvaluation { layer, errors, .. } in &layers {
+        for error in errors {
+            // A layer may be empty: the plan knows triangles, not pixels.
+            let nothing = error.compared == 0 && error.different_triangle == 0;
+            let table = ErrorTable(std::slice::from_ref(error)).to_string();
+            assert!(error.passes() || nothing, "{name}, layer {layer}:\n{table}");
+            compared += error.compared;
+        }
+    }
+    compared
+}
+
+/// On every layer the factor is the reference's: of glass behind glass, through itself, and where panes cross.
+#[test]
+fn every_layer_is_exact() {
+    let Some(mut renderer) = common::renderer() else { return };
+    let entry = TransparentShadow::ENTRY;
+    let only = std::env::var("CASE").unwrap_or_default();
+    let hard = glass_cases().into_iter().filter(|case| case.name().contains(&only));
+    for case in hard.filter(|case| !case.name().starts_with("glass-depth")) {
+        for accumulate in ["counts", "gridLog"] {
+            let params = [("accumulate".to_owned(), ParamValue::Text(accumulate.into()))].into();
+            let scene = case.scene_with(&entry, &params).unwrap();
+            let name = format!("{} {accumulate}", case.name());
+            let compared = exact_on_layers(&mut renderer, &name, &scene, &case.request());
+            println!("{name:40} {compared} pixels of layers");
+            // Alpha 0 is no surface; black glass lies under other glass or is one surface: all else is seen.
+            assert!(compared > 0 || case.id == "alpha-0" || case.id == "alpha-1", "{name} has no layers");
+        }
+    }
+}
+
+/// Points, spots and directions, white and coloured, each alone and all at once; served by one node or by two, the other
+/// of which has opaque casters.
+#[test]
+fn lights_of_every_kind_are_exact_on_layers() {
+    let Some(mut renderer) = common::renderer() else { return };
+    let (mut scene, request) = pile(&[0, 1, 3, 5], 1, Accumulate::Counts);
+    let spot = Light { color: v(1.0, 0.5, 0.2), ..Light::spot("spot", 90.0, 0.7) };
+    scene.add_light(spot, DVec3::new(-2.0, 3.5, 1.5), DVec3::new(0.0, 0.8, 0.0));
+    scene.add_light(
+        Light { color: v(0.2, 0.4, 1.0), ..Light::directional("moon", 1.0) },
+        DVec3::new(-1.0, 2.0, -1.5),
+        DVec3::ZERO,
+    );
+    let compared = exact_on_layers(&mut renderer, "one node", &scene, &request);
+    assert!(compared > 20_000, "{compared}");
+    // Opaque casters through a node of their own: what both leave multiplies.
+    let glass: Vec<_> = scene.shadows().map(|(key, _)| key).collect();
+    let casters = scene.shadow_mut(glass[0]).unwrap().casters.clone();
+    let ball = shapes::icosphere(0.25, 3).moved(v(0.5, 2.4, 0.3)).named("ball");
+    let ball = scene.add_mesh(common::mesh(ball), Material::default(), DAffine3::IDENTITY);
+    scene.shadow_mut(glass[0]).unwrap().casters = casters;
+    scene.add_shadow("opaque", ShadowNode::from(ShadowVolumeHard::default()).with_casters([ball]));
+    let compared = exact_on_layers(&mut renderer, "two nodes", &scene, &request);
+    assert!(compared > 20_000, "{compared}");
+}
+
+/// Samples of a pixel have one depth a layer: four are refused by name, four times the pixels are drawn.
+#[test]
+fn layers_of_four_samples_are_refused() {
+    let (scene, request) = pile(&[0, 1], 1, Accumulate::Counts);
+    let with = |scene: &Scene, antialias| {
+        plan_without(scene, &FrameRequest { antialias, ..request.clone() }, Features::empty())
+    };
+    let error = with(&scene, Antialias::Multisample4).unwrap_err();
+    assert!(matches!(error, FrameError::MultisampledLayers { .. }), "{error}");
+    let said = error.to_string();
+    assert!(said.contains("'glass'") && said.contains("ssaa4"), "{said}");
+    assert!(with(&scene, Antialias::Supersample4).unwrap().layers > 0);
+    // Without layers there is none to refuse; whatever else samples lack says so itself.
+    let other = with(&without_layers(scene), Antialias::Multisample4);
+    assert!(!matches!(other, Err(FrameError::MultisampledLayers { .. })));
 }
 
 /// A plan without a device, on an adapter that lacks `missing`.

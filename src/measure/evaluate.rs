@@ -26,6 +26,14 @@ pub enum EvaluateError {
     Compare(#[from] CompareError),
     #[error("no shadow node serves any light of the scene: there is nothing to compare")]
     NothingToCompare,
+    #[error(
+        "light '{light}' has a size: what its disc shows of a transparent layer, whose own plane may cut it, has no \
+         reference; layers are judged for points, spots and directions without a size"
+    )]
+    SizedLightOnLayers {
+        /// The light's name.
+        light: String,
+    },
 }
 
 /// A frame with its factors, the reference's, and how they differ.

@@ -33,12 +33,12 @@ pub struct LayerEvaluation {
     pub errors: Vec<LightError>,
 }
 
-/// Renders `scene` with its own shadow nodes and compares the factors of those of the `layers` that there are: for the
-/// lights whose techniques ask for them, unless they have a size: what a layer shows of a disc that its own plane
-/// cuts is not defined here. Empty where there is none.
+/// Renders `scene` with its own shadow nodes and compares the factors of those of the `layers` that there are, for the
+/// lights whose techniques ask for them. Empty where there is none.
 ///
 /// # Errors
-/// [`EvaluateError`].
+/// [`EvaluateError`]; among them [`EvaluateError::SizedLightOnLayers`] for a light that some technique takes to have a
+/// size: what a layer shows of a disc that its own plane cuts is not defined here.
 pub fn evaluate_layers(
     renderer: &mut Renderer,
     scene: &Scene,
@@ -57,8 +57,11 @@ pub fn evaluate_layers(
     // The first layer may be that of more lights than the rest.
     let first = layers.start..layers.end.min(layers.start + 1);
     for layers in [first.clone(), first.end..layers.start + frame.layers.len() as u32] {
-        let queries = queries_on_layer(&reference, &registry, layers.start);
-        if queries.is_empty() || layers.is_empty() {
+        if layers.is_empty() {
+            continue;
+        }
+        let queries = queries_on_layer(&reference, &registry, layers.start)?;
+        if queries.is_empty() {
             continue;
         }
         let images =
@@ -74,18 +77,26 @@ pub fn evaluate_layers(
     Ok(evaluations)
 }
 
-/// What the reference is asked about on a layer: the lights without a size whose shadows fall on it.
-fn queries_on_layer(reference: &Reference, registry: &Registry, layer: u32) -> Vec<LightQuery> {
+/// What the reference is asked about on a layer: the lights whose shadows fall on it.
+fn queries_on_layer(
+    reference: &Reference,
+    registry: &Registry,
+    layer: u32,
+) -> Result<Vec<LightQuery>, EvaluateError> {
     let falls = |light: usize| match registry.receiver_layers(light) {
         Layers::OpaqueOnly => false,
         Layers::First => layer == 0,
         Layers::All => true,
     };
-    let is_wide = |query: &LightQuery| {
-        let light = reference.lights.get(query.light);
-        light.is_some_and(|light| query.sized.iter().any(|part| part.size.is_wide(light.position)))
+    let on_layer = queries(registry).into_iter().filter(|query| falls(query.light));
+    let judged = |query: LightQuery| {
+        let Some(light) = reference.lights.get(query.light) else { return Ok(query) };
+        if query.sized.iter().any(|part| part.size.is_wide(light.position)) {
+            return Err(EvaluateError::SizedLightOnLayers { light: light.name.clone() });
+        }
+        Ok(query)
     };
-    queries(registry).into_iter().filter(|query| falls(query.light) && !is_wide(query)).collect()
+    on_layer.map(judged).collect()
 }
 
 impl Reference {
