@@ -388,13 +388,12 @@ fn no_pixel_has_more_layers_than_were_counted() {
     for seed in 0..12 {
         let double_sided = seed % 2 == 0;
         let material = Material { double_sided, ..blended(Vec3::X, 0.3) };
-        // Now and then under a mirroring transform.
+        // Now and then under a mirroring transform. Of so many, four turn towards the eye somewhere.
         let mut scene = panes_over_floor(&[], Material::default(), "HardOnLayers");
         let mirrored = DAffine3::from_scale(DVec3::new(if seed % 3 == 0 { -1.0 } else { 1.0 }, 1.0, 1.0));
-        scene.add_mesh(common::mesh(soup(seed, if std::env::var("N60").is_ok() {60} else {150})), material, mirrored);
+        scene.add_mesh(common::mesh(soup(seed, 150)), material, mirrored);
         let request = from_above([96, 64]);
         let layers = plan_of(&scene, &request).unwrap().layers;
-        println!("DEBUG seed {seed}: bound {layers}, deepest {:?}", (0..layers).rev().find(|l| surfaces_on(&scene, &request, *l) > 0));
         assert!(layers > 3, "{layers}");
         assert_eq!(surfaces_on(&scene, &request, layers), 0, "seed {seed}: more than {layers} layers");
         // What the floor hides and what lies next to edges is counted too; but little of it is there.

@@ -15,7 +15,7 @@ use shadowgraph::prelude::*;
 use shadowgraph_engine::manager::{Adapter, FrameError, plan_frame};
 use shadowgraph_engine::plan::{FramePlan, SlotKind, TextureFormat};
 use shadowgraph_engine::scene::{AlphaMode, ParamValue};
-use shadowgraph_engine::shadow::{Cache, Features, Registry, Setting, TechniqueEntry};
+use shadowgraph_engine::shadow::{Cache, Features, Registry, Setting, ShadowError, TechniqueEntry};
 use shadowgraph_nodes::{Accumulate, TransparentShadow};
 
 /// The value of `light`'s factor at the pixel that shows `point`.
@@ -250,31 +250,38 @@ fn lights_of_every_kind_are_exact_on_layers() {
     let compared = exact_on_layers(&mut renderer, "one node", &scene, &request);
     assert!(compared > 20_000, "{compared}");
     // Opaque casters through a node of their own: what both leave multiplies.
-    let glass: Vec<_> = scene.shadows().map(|(key, _)| key).collect();
-    let casters = scene.shadow_mut(glass[0]).unwrap().casters.clone();
     let ball = shapes::icosphere(0.25, 3).moved(v(0.5, 2.4, 0.3)).named("ball");
     let ball = scene.add_mesh(common::mesh(ball), Material::default(), DAffine3::IDENTITY);
-    scene.shadow_mut(glass[0]).unwrap().casters = casters;
     scene.add_shadow("opaque", ShadowNode::from(ShadowVolumeHard::default()).with_casters([ball]));
     let compared = exact_on_layers(&mut renderer, "two nodes", &scene, &request);
     assert!(compared > 20_000, "{compared}");
 }
 
-/// Samples of a pixel have one depth a layer: four are refused by name, four times the pixels are drawn.
+/// Four samples of a pixel are refused by name, for the light's visibility or else for the layers; four times the pixels
+/// are drawn.
 #[test]
-fn layers_of_four_samples_are_refused() {
-    let (scene, request) = pile(&[0, 1], 1, Accumulate::Counts);
+fn four_samples_are_refused() {
+    let (mut scene, request) = pile(&[0, 1], 1, Accumulate::Counts);
     let with = |scene: &Scene, antialias| {
         plan_without(scene, &FrameRequest { antialias, ..request.clone() }, Features::empty())
     };
     let error = with(&scene, Antialias::Multisample4).unwrap_err();
+    assert!(matches!(error, FrameError::Shadow(ShadowError::NotPerSample { .. })), "{error}");
+    assert!(error.to_string().contains("'glass'"), "{error}");
+    assert!(with(&scene, Antialias::Supersample4).unwrap().layers > 0);
+    // What is opaque is counted for each sample, but not on layers.
+    let ball = shapes::icosphere(0.25, 3).moved(v(0.5, 2.4, 0.3)).named("ball");
+    let ball = scene.add_mesh(common::mesh(ball), Material::default(), DAffine3::IDENTITY);
+    let glass: Vec<_> = scene.shadows().map(|(key, _)| key).collect();
+    for key in glass {
+        let node = scene.shadow(key).unwrap().clone();
+        *scene.shadow_mut(key).unwrap() = node.with_casters([ball]);
+    }
+    let error = with(&scene, Antialias::Multisample4).unwrap_err();
     assert!(matches!(error, FrameError::MultisampledLayers { .. }), "{error}");
     let said = error.to_string();
     assert!(said.contains("'glass'") && said.contains("ssaa4"), "{said}");
-    assert!(with(&scene, Antialias::Supersample4).unwrap().layers > 0);
-    // Without layers there is none to refuse; whatever else samples lack says so itself.
-    let other = with(&without_layers(scene), Antialias::Multisample4);
-    assert!(!matches!(other, Err(FrameError::MultisampledLayers { .. })));
+    assert_eq!(with(&without_layers(scene), Antialias::Multisample4).unwrap().layers, 0);
 }
 
 /// A plan without a device, on an adapter that lacks `missing`.
