@@ -58,7 +58,7 @@ impl ShadowTechnique for Broken {
     }
 }
 
-/// How many pixels of these cases are wrong outside the band when every draw of a volume is spoilt so: on opaque surfaces,
+/// How many pixels of these cases have a factor outside its bounds when every draw of a volume is spoilt so: on opaque surfaces,
 /// and on layers.
 fn wrong(from_params: TechniqueFromParams, ids: &[&str]) -> Option<[usize; 2]> {
     let entry = TechniqueEntry { from_params, settings: &[], ..TransparentShadow::ENTRY };
@@ -76,8 +76,8 @@ fn wrong(from_params: TechniqueFromParams, ids: &[&str]) -> Option<[usize; 2]> {
         let compared = layers.iter().flat_map(|layer| &layer.errors).map(|error| error.compared);
         assert!(compared.sum::<usize>() > 0, "{} has no layers", case.name());
         let here = [
-            opaque.errors.iter().map(|error| error.wrong_outside_band).sum::<usize>(),
-            layers.iter().flat_map(|layer| &layer.errors).map(|error| error.wrong_outside_band).sum(),
+            opaque.errors.iter().map(|error| error.outside_bounds).sum::<usize>(),
+            layers.iter().flat_map(|layer| &layer.errors).map(|error| error.outside_bounds).sum(),
         ];
         println!("{}: {here:?} wrong on opaque surfaces and on layers", case.name());
         wrong = [0, 1].map(|place| wrong[place] + here[place]);
