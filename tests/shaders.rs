@@ -5,14 +5,19 @@ use std::collections::BTreeSet;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use shadowgraph_engine::scene::SurfaceFunction;
 
-/// Flags that exclude each other: the factor of a light is in one place.
-const EXCLUSIVE: &[(&str, [&str; 2])] = &[("surface_factor", ["COUNTS", "VISIBILITY"])];
+/// Flags that exclude each other: the factor of a light is in one place, and layers have one sample a pixel.
+const EXCLUSIVE: &[(&str, [&str; 2])] = &[
+    ("surface_factor", ["COUNTS", "VISIBILITY"]),
+    ("layer_images", ["COUNTS", "VISIBILITY"]),
+    ("surface_shade", ["LAYER", "MULTISAMPLED"]),
+];
 
 /// What plans, and the engine's own styles, ask of each module: at least these flags and entry points must be there,
 /// those with an `if` under that flag.
 const USED: &[(&str, &[&str], &[&str])] = &[
     ("average_pixels", &[], &["fullscreen_vertex", "average"]),
     ("darken_picture", &["ONE_CHANNEL"], &["fullscreen_vertex", "darken_by"]),
+    ("layer_images", &["COUNTS", "VISIBILITY"], &["fullscreen_vertex", "factor", "over"]),
     ("masked_volume", &["BASE_COLOR_TEXTURE"], &["fullscreen_vertex", "darken"]),
     ("nothing", &[], &["nothing"]),
     ("penumbra_wedge", &[], &["vertex", "fullscreen_vertex", "add_share", "darken"]),
@@ -48,7 +53,20 @@ const USED: &[(&str, &[&str], &[&str])] = &[
         &["HALVES", "MASKED", "NORMALS"],
         &["vertex", "visible_triangle", "receiver_normal if NORMALS", "triangle_and_normal if NORMALS"],
     ),
-    ("surface_shade", SHADE_FLAGS, &["vertex", "opaque", "blended", "masked_depth"]),
+    ("surface_peel", &["BASE_COLOR_TEXTURE", "BEHIND", "SECOND_UV"], &["vertex", "peel"]),
+    (
+        "surface_shade",
+        SHADE_FLAGS,
+        &[
+            "vertex",
+            "opaque",
+            "blended",
+            "shine_through",
+            "masked_depth",
+            "shaded_layer if LAYER",
+            "shine_through_layer if LAYER",
+        ],
+    ),
     ("transparent_panes", &["BASE_COLOR_TEXTURE"], &["fullscreen_vertex", "tint"]),
     (
         "transparent_shadow",
@@ -77,6 +95,7 @@ const SHADE_FLAGS: &[&str] = &[
     "BASE_COLOR_TEXTURE",
     "COUNTS",
     "EMISSIVE_TEXTURE",
+    "LAYER",
     "MANY_LIGHTS",
     "MASK",
     "MASKED",

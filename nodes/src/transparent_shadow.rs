@@ -116,11 +116,6 @@ impl ShadowTechnique for TransparentShadow {
             sum => sums::add_up(light, &glass, sum)?,
         }
         cast_panes(light);
-        if self.self_shadow != SelfShadow::None {
-            light.note(
-                "selfShadow is not there yet: transparent surfaces are lit without shadows, as with selfShadow=none",
-            );
-        }
         Ok(())
     }
 }
@@ -176,7 +171,7 @@ fn tinted_volumes<'a>(light: &mut LightPlan<'a>) -> Result<Vec<Tinted<'a>>, Shad
                 caster: Caster { index, instance, shape, key, facing },
                 z_fail,
                 hidden_caps_count: true,
-                falls_on_itself: false,
+                falls_on_itself: light.layer().is_some(),
                 end: end_in_view(view, position, &instance.world_bounds),
                 clamp_depth: z_fail && !perspective,
                 directional: position.w == 0.0,

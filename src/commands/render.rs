@@ -12,8 +12,9 @@ use shadowgraph::measure::json::{error_json, spread_json};
 use shadowgraph::measure::pictures::PictureError;
 use shadowgraph::measure::timing::{Spread, Timed, time_frames};
 use shadowgraph::measure::{
-    CONVERGED_SAMPLES, Converged, ErrorTable, Evaluation, KnownReferences, LightError, Progress, evaluate,
-    evaluate_converged, mean_of_samples, measured, pictures,
+    CONVERGED_SAMPLES, Converged, ErrorTable, Evaluation, KnownReferences, LayerEvaluation, LightError,
+    Progress, evaluate, evaluate_converged, evaluate_layers, layer_measured, mean_of_samples, measured,
+    pictures,
 };
 use shadowgraph::prelude::*;
 
@@ -31,11 +32,13 @@ pub(crate) struct RenderArgs {
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
     /// Writes each light's linear factor at the first hit to DIR/<light>.exr, NaN where nothing is hit; the mean of the
-    /// samples that hit something where edges are smoothed.
+    /// samples that hit something where edges are smoothed. Where shadows fall on transparent surfaces, also to
+    /// DIR/<light>.layerN.exr for the Nth of them, 0 the nearest.
     #[arg(long, value_name = "DIR")]
     visibility: Option<PathBuf>,
-    /// Compares every shadowed light with the exact reference and prints the error; lights of a technique that takes samples
-    /// of them with those samples first, then with the whole light.
+    /// Compares every shadowed light with the exact reference and prints the error, also on transparent surfaces that
+    /// its shadows fall on; lights of a technique that takes samples of them with those samples first, then with the
+    /// whole light.
     #[arg(long)]
     error: bool,
     /// Writes the picture beside the reference's factor and the error map of every shadowed light, as one PNG.
@@ -116,6 +119,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         let request = FrameRequest { factors: true, ..request.clone() };
         let frame = renderer.render(&scene, &request, &RenderOptions::default())?;
         stage_factors(&mut outputs, folder, &frame, &request)?;
+        stage_layers(&mut outputs, folder, &mut renderer, (&scene, &request), frame.plan.layers)?;
     }
     if let Some(path) = &args.json {
         let errors = [
@@ -141,9 +145,30 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     if let Some(evaluation) = &evaluation {
         out!("{}", ErrorTable(&evaluation.errors));
+        print_layers(&mut renderer, (&scene, &request), frame.plan.layers)?;
     }
     if let Some(converged) = &converged {
         out!("against the whole light ({CONVERGED_SAMPLES} samples):\n{}", ErrorTable(&converged.errors));
+    }
+    Ok(())
+}
+
+/// The errors on every layer of transparent surfaces that shadows fall on, nearest first.
+fn print_layers(
+    renderer: &mut Renderer,
+    (scene, request): (&Scene, &FrameRequest),
+    layers: u32,
+) -> Result<(), Failure> {
+    for first in (0..layers).step_by(LAYERS_AT_A_TIME as usize) {
+        let range = first..layers.min(first + LAYERS_AT_A_TIME);
+        for LayerEvaluation { layer, errors, .. } in
+            evaluate_layers(renderer, scene, request, range, &|_, _| {})?
+        {
+            // There may be fewer layers than were counted.
+            if errors.iter().any(|error| error.hit_pixels > 0) {
+                out!("layer {layer}\n{}", ErrorTable(&errors));
+            }
+        }
     }
     Ok(())
 }
@@ -201,15 +226,53 @@ fn stage_factors(
         if antialias != Antialias::None {
             factor = mean_of_samples(measured.size_px, &factor);
         }
-        let path = folder.join(format!("{}.exr", light.name));
-        outputs.reserve(&path)?;
-        outputs.stage(&path, |temporary| {
-            pictures::write_factor(temporary, size_px, &factor).map_err(|error| match error {
-                // The caller names the place it is for.
-                PictureError::Write { source, .. } => source,
-                error => std::io::Error::other(error.to_string()),
-            })
-        })?;
+        stage_factor(outputs, &folder.join(format!("{}.exr", light.name)), size_px, &factor)?;
+    }
+    Ok(())
+}
+
+fn stage_factor(
+    outputs: &mut Outputs,
+    path: &Path,
+    size_px: [u32; 2],
+    factor: &[f32],
+) -> Result<(), Failure> {
+    outputs.reserve(path)?;
+    outputs.stage(path, |temporary| {
+        pictures::write_factor(temporary, size_px, factor).map_err(|error| match error {
+            // The caller names the place it is for.
+            PictureError::Write { source, .. } => source,
+            error => std::io::Error::other(error.to_string()),
+        })
+    })
+}
+
+/// So many layers are rendered at a time: their images are on the GPU together.
+const LAYERS_AT_A_TIME: u32 = 4;
+
+/// The factor of every light with shadow nodes on every layer of transparent surfaces, nearest first.
+fn stage_layers(
+    outputs: &mut Outputs,
+    folder: &Path,
+    renderer: &mut Renderer,
+    (scene, request): (&Scene, &FrameRequest),
+    layers: u32,
+) -> Result<(), Failure> {
+    for first in (0..layers).step_by(LAYERS_AT_A_TIME as usize) {
+        let layer_factors = first..layers.min(first + LAYERS_AT_A_TIME);
+        let request = FrameRequest { layer_factors, ..request.clone() };
+        let frame = renderer.render(scene, &request, &RenderOptions::default())?;
+        for (number, layer) in (first..).zip(&frame.layers) {
+            let size_px = request.antialias.factor_size_px(request.size_px);
+            for (light, factor) in layer_measured(layer, size_px)?.lights {
+                let factor = match request.antialias {
+                    Antialias::None => factor,
+                    _ => mean_of_samples(size_px, &factor),
+                };
+                let path = folder.join(format!("{light}.layer{number}.exr"));
+                stage_factor(outputs, &path, request.size_px, &factor)?;
+            }
+        }
     }
     Ok(())
 }

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use shadowgraph_engine::gpu::Timing;
-use shadowgraph_engine::manager::{Frame, FrameRequest, RenderError, RenderOptions, Renderer};
+use shadowgraph_engine::manager::{
+    FactorImage, Frame, FrameLayer, FrameRequest, RenderError, RenderOptions, Renderer,
+};
 use shadowgraph_engine::plan::Antialias;
 use shadowgraph_engine::scene::{Posed, Scene};
 use shadowgraph_engine::shadow::{Claim, LightSize, Registry};
@@ -24,6 +26,14 @@ pub enum EvaluateError {
     Compare(#[from] CompareError),
     #[error("no shadow node serves any light of the scene: there is nothing to compare")]
     NothingToCompare,
+    #[error(
+        "light '{light}' has a size: what its disc shows of a transparent layer, whose own plane may cut it, has no \
+         reference; layers are judged for points, spots and directions without a size"
+    )]
+    SizedLightOnLayers {
+        /// The light's name.
+        light: String,
+    },
 }
 
 /// A frame with its factors, the reference's, and how they differ.
@@ -102,8 +112,24 @@ pub fn converged_queries(queries: &[LightQuery], count: u32) -> Option<Vec<Light
 /// When the frame's factors cannot be read as floats.
 pub fn measured(frame: &Frame, size_px: [u32; 2]) -> Result<Measured, RenderError> {
     let ids = frame.visible_triangles.clone().unwrap_or_default();
+    measured_of(ids, &frame.factors, size_px)
+}
+
+/// The same of one layer of transparent surfaces.
+///
+/// # Errors
+/// When the factors cannot be read as floats.
+pub fn layer_measured(layer: &FrameLayer, size_px: [u32; 2]) -> Result<Measured, RenderError> {
+    measured_of(layer.triangles.clone(), &layer.factors, size_px)
+}
+
+fn measured_of(
+    ids: Vec<[u32; 2]>,
+    factors: &[FactorImage],
+    size_px: [u32; 2],
+) -> Result<Measured, RenderError> {
     let mut lights = Vec::new();
-    for factor in &frame.factors {
+    for factor in factors {
         let floats = factor.pixels.floats()?;
         let stored = (floats.len() / ids.len().max(1)).max(1);
         // A fourth channel only fills the texel.

@@ -148,7 +148,38 @@ fn is_crossed_once(corners: &[DVec3; 3], from: DVec3, direction: DVec3) -> bool 
     first == sign(v, w) && first == sign(w, u)
 }
 
-impl Tracer<'_> {
+impl<'a> Tracer<'a> {
+    /// The transparent surfaces along `from + t·direction` with t from `t_min` to before `t_end`, nearest first; of
+    /// several at exactly the same t the first drawn comes first. A mask's holes and alpha 0 are no surface.
+    pub(super) fn layers(
+        &mut self,
+        from: DVec3,
+        direction: DVec3,
+        t_min: f64,
+        t_end: f64,
+    ) -> Vec<(&'a Triangle, f64)> {
+        let reference = self.reference;
+        let mut layers = Vec::new();
+        let Some(panes) = &reference.panes else { return layers };
+        let Some(ray) = panes.bvh.ray(from, direction, t_min..t_end, 0.0) else { return layers };
+        panes.bvh.walk(&ray, &mut self.stack, |leaf| {
+            for (triangle, color) in panes.triangles[leaf.clone()].iter().zip(&panes.colors[leaf]) {
+                let t = triangle.hit(from, direction).filter(|t| (t_min..t_end).contains(t));
+                let Some(t) = t.filter(|_| is_crossed_once(&triangle.corners, from, direction)) else {
+                    continue;
+                };
+                let base_color = color.at(&triangle.corners, from + direction * t);
+                if color.material.coverage(base_color.w) > 0.0 {
+                    layers.push((triangle, t));
+                }
+            }
+            None
+        });
+        let order = |(triangle, _): &(&Triangle, f64)| (triangle.instance, triangle.triangle);
+        layers.sort_by(|a, b| a.1.total_cmp(&b.1).then_with(|| order(a).cmp(&order(b))));
+        layers
+    }
+
     /// For each point of `probe`, what the transparent surfaces of `casters` between it and the light let pass.
     pub(super) fn tints(&mut self, probe: &Probe<'_>, casters: &CasterSet) -> [DVec3; MOVES] {
         let mut tints = [DVec3::ONE; MOVES];

@@ -18,6 +18,7 @@ mod evaluate;
 mod glass;
 mod holes;
 pub mod json;
+mod layers;
 mod metrics;
 mod moved;
 pub mod pictures;
@@ -33,8 +34,9 @@ pub use coverage::convex_visible_share;
 pub use error_table::ErrorTable;
 pub use evaluate::{
     Converged, EvaluateError, Evaluation, KnownReferences, converged_queries, evaluate, evaluate_again,
-    evaluate_converged, mean_of_samples, measured, queries, queries_with,
+    evaluate_converged, layer_measured, mean_of_samples, measured, queries, queries_with,
 };
+pub use layers::{LayerEvaluation, evaluate_layers};
 pub use metrics::{
     BAND_FLOOR_PIXELS, BAND_PIXELS_PER_BOUNDARY_PIXEL, CompareError, HALF_FLOAT_LOSS, LightError,
     MAX_DIFFERENT_SHARE, Measured, compare, expect_shadow,

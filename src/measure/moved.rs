@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::reference::{Hit, Reference};
 use super::render::{DEPTH_ULPS, PIXEL_MOVE, View};
+use super::surface::Triangle;
 
 /// The centre, four moves on the plane, two in depth.
 pub(super) const MOVES: usize = 7;
@@ -30,11 +31,16 @@ impl Moved {
     pub(super) fn new(
         reference: &Reference,
         view: &View<'_>,
-        [x, y]: [f64; 2],
+        place: [f64; 2],
         hit: Hit,
         t: f64,
     ) -> Option<Self> {
-        let surface = reference.surface(hit)?;
+        Some(Self::on(reference.surface(hit)?, view, place, t))
+    }
+
+    /// The point that the ray through a place of the target meets at distance `t`, on `surface`.
+    pub(super) fn on(surface: &Triangle, view: &View<'_>, [x, y]: [f64; 2], t: f64) -> Self {
+        let hit = Hit { instance: surface.instance, triangle: surface.triangle };
         let (from, direction) = view.ray([x, y]);
         let center = surface.onto_plane(from + direction * t);
         let mut points = [center; MOVES];
@@ -67,7 +73,7 @@ impl Moved {
             }
         }
         let eye_side = surface.facing(view.eye);
-        Some(Self { hit, points, corners, lost, receives: surface.receives, eye_side })
+        Self { hit, points, corners, lost, receives: surface.receives, eye_side }
     }
 
     /// Its points and corners.

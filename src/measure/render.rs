@@ -49,7 +49,7 @@ pub struct LightQuery {
 }
 
 /// What is seen at every pixel, and every light's factor there.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReferenceImage {
     /// Width and height in pixels; everything below is row by row, the top row first.
     pub size_px: [u32; 2],

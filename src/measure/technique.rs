@@ -6,11 +6,11 @@
 use std::sync::Arc;
 
 use shadowgraph_engine::plan::{
-    Binding, BufferUsage, CompareFunction, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader,
+    Antialias, Binding, BufferUsage, CompareFunction, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader,
 };
 use shadowgraph_engine::scene::{Instance, ParamValue, Params};
 use shadowgraph_engine::shadow::{
-    Channels, LightPlan, LightSize, MAX_LIGHT_SAMPLES, OptionReader, ShadowError, ShadowTechnique,
+    Channels, Layers, LightPlan, LightSize, MAX_LIGHT_SAMPLES, OptionReader, ShadowError, ShadowTechnique,
     TechniqueEntry, hash_of,
 };
 
@@ -20,18 +20,25 @@ use super::{LightQuery, Reference, Samples, SizedCasters};
 ///
 /// A light is as large as `radius` (metres, point and spot lights) and `angle` (half-angle in degrees, directional
 /// lights) say; then its factor is the visible share of `samples` of [`light_samples`](super::light_samples).
+/// `selfShadow` says on which transparent surfaces shadows of a light without a size fall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReferenceShadow {
     radius_m: f64,
     angle_deg: f64,
     samples: u32,
+    /// On which transparent surfaces its shadows fall; each layer is traced by itself.
+    self_shadow: Layers,
 }
 
 impl Default for ReferenceShadow {
     fn default() -> Self {
-        Self { radius_m: 0.0, angle_deg: 0.0, samples: 64 }
+        Self { radius_m: 0.0, angle_deg: 0.0, samples: 64, self_shadow: Layers::OpaqueOnly }
     }
 }
+
+/// The values of `selfShadow`, the first is the default.
+const SELF_SHADOW: [(&str, Layers); 3] =
+    [("none", Layers::OpaqueOnly), ("partial", Layers::First), ("full", Layers::All)];
 
 const TYPE_NAME: &str = "Reference";
 
@@ -49,9 +56,16 @@ impl ReferenceShadow {
                 radius_m: options.number("radius", default.radius_m, 0.0, 1e9)?,
                 angle_deg: options.number("angle", default.angle_deg, 0.0, 89.0)?,
                 samples: options.number("samples", f64::from(default.samples), 1.0, most)? as u32,
+                self_shadow: options.choice("selfShadow", &SELF_SHADOW)?,
             };
             if matches!(params.get("samples"), Some(ParamValue::Number(count)) if count.fract() != 0.0) {
                 return Err(options.conflict("samples", &format!("a whole number from 1 to {most}")));
+            }
+            let sized = technique.radius_m > 0.0 || technique.angle_deg > 0.0;
+            if sized && technique.self_shadow != Layers::OpaqueOnly {
+                let accepted =
+                    "none, where radius or angle is not 0: layers are judged for lights without a size";
+                return Err(options.conflict("selfShadow", accepted));
             }
             options.finish()?;
             Ok(Arc::new(technique))
@@ -66,10 +80,13 @@ impl ShadowTechnique for ReferenceShadow {
     }
 
     fn params(&self) -> Params {
+        let name = SELF_SHADOW.iter().find(|(_, layers)| *layers == self.self_shadow);
+        let self_shadow = name.map_or("none", |(name, _)| *name);
         Params::from([
             ("radius".into(), ParamValue::Number(self.radius_m)),
             ("angle".into(), ParamValue::Number(self.angle_deg)),
             ("samples".into(), ParamValue::Number(self.samples.into())),
+            ("selfShadow".into(), ParamValue::Text(self_shadow.into())),
         ])
     }
 
@@ -93,6 +110,10 @@ impl ShadowTechnique for ReferenceShadow {
         true
     }
 
+    fn receiver_layers(&self) -> Layers {
+        self.self_shadow
+    }
+
     fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
         let name = light.light().name.clone();
         let casters: Vec<usize> = light.casters().map(|(index, _)| index).collect();
@@ -109,7 +130,8 @@ impl ShadowTechnique for ReferenceShadow {
             })
             .collect();
         let seen_from = (format!("{:?}", view.camera), format!("{:?}", light.light()), view.size_px);
-        let key = hash_of(("reference", poses, worn, &casters, seen_from, format!("{self:?}")));
+        let layer = light.layer();
+        let key = hash_of(("reference", poses, worn, &casters, seen_from, format!("{self:?}"), layer));
         let transparent =
             |index: &&usize| posed.instances[**index].materials.iter().any(|m| m.is_transparent());
         let transparent: Vec<usize> = casters.iter().filter(transparent).copied().collect();
@@ -121,7 +143,16 @@ impl ShadowTechnique for ReferenceShadow {
                 sized: vec![SizedCasters { casters, size, samples }],
                 ..LightQuery::default()
             };
-            let image = Reference::new(posed).render(&view.camera, view.size_px, &[query], &|_, _| {});
+            let (reference, camera, size_px) = (Reference::new(posed), &view.camera, view.size_px);
+            let image = match layer {
+                None => reference.render(camera, size_px, &[query], &|_, _| {}),
+                Some(layer) => {
+                    let (layers, antialias) = (layer..layer + 1, Antialias::None);
+                    let images =
+                        reference.render_layers(camera, size_px, antialias, &[query], layers, &|_, _| {});
+                    images.into_iter().next().unwrap_or_default()
+                }
+            };
             let factor = image.lights.into_iter().next().map(|light| light.factor).unwrap_or_default();
             // Where nothing is hit, nothing is shaded.
             let factor: Vec<f32> = factor.into_iter().map(|f| if f.is_nan() { 1.0 } else { f }).collect();

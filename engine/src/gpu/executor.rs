@@ -26,6 +26,7 @@ mod attachments;
 pub(super) mod budget;
 mod encode;
 mod kept;
+mod surface;
 
 /// What is timed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

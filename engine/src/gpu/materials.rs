@@ -10,7 +10,7 @@ use glam::Vec2;
 use super::uniforms::layout;
 use super::{Gpu, GpuError};
 use crate::geometry::Mesh;
-use crate::scene::{Image, ImageKey, Material, TexCoord, TextureRef, Wrap};
+use crate::scene::{AlphaMode, Image, ImageKey, Material, TexCoord, TextureRef, Wrap};
 
 /// `struct Material` of common/material.wgsl.
 #[repr(C)]
@@ -25,12 +25,12 @@ pub struct MaterialUniform {
     alpha_cutoff: f32,
     mask_reading: u32,
     uv_sets: u32,
-    pad_0: u32,
-    pad_1: u32,
+    transmission: f32,
+    blends: u32,
     uv_rows: [[f32; 4]; 10],
 }
 
-layout!(MaterialUniform: base_color, emissive, metallic, roughness, normal_scale, occlusion_strength, alpha_cutoff, mask_reading, uv_sets, pad_0, pad_1, uv_rows);
+layout!(MaterialUniform: base_color, emissive, metallic, roughness, normal_scale, occlusion_strength, alpha_cutoff, mask_reading, uv_sets, transmission, blends, uv_rows);
 
 /// The material textures, in the order of their bindings, and whether their colours are sRGB.
 fn textures(material: &Material) -> [(Option<TextureRef>, bool); 5] {
@@ -110,8 +110,8 @@ impl MaterialUniform {
             alpha_cutoff: material.cutoff().unwrap_or(-1.0),
             mask_reading: material.base_color_texture.map_or(0, |texture| texture.reading_bits()),
             uv_sets: second_uvs(material),
-            pad_0: 0,
-            pad_1: 0,
+            transmission: material.transmission,
+            blends: u32::from(material.alpha_mode == AlphaMode::Blend),
             uv_rows,
         }
     }

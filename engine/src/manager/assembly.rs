@@ -2,6 +2,7 @@
 
 use wgpu::TextureFormat;
 
+use super::layers::Layered;
 use super::request::{Adapter, FrameError, FrameRequest};
 use super::segments::{Part, Segment};
 use super::states::{ADD_CONSTANT, ZERO_WHERE_COUNTED};
@@ -36,24 +37,32 @@ pub(super) struct Assembly<'a> {
 
 impl Assembly<'_> {
     /// Puts prepass, segments, resolves and shading together, and what darkens the finished picture after them: each
-    /// by itself, then the one darkening of `weight`. The visibility has as many `layers`.
+    /// by itself, then the one darkening of `weight`. The visibility has `visibilities` layers; `layers` are those of
+    /// transparent surfaces, which come last.
     ///
     /// # Errors
     /// What the adapter cannot do with four samples a pixel.
     pub(super) fn assemble(
         mut self,
         segments: Vec<Segment>,
-        layers: u32,
+        visibilities: u32,
         weight: Option<f64>,
+        layers: Option<Layered>,
     ) -> Result<FramePlan, FrameError> {
         let parts = |s: &Segment| [&s.shaded[..], &s.after[..], s.alone.as_slice()].concat();
         let all: Vec<Part> = segments.iter().flat_map(parts).collect();
         let counted = segments.iter().flat_map(|s| &s.shaded).filter(|part| part.is_counted()).count() as u32;
         let counting = all.iter().filter(|part| part.counts).count() as u32;
         let shadowed = all.iter().any(|part| !part.passes.is_empty());
-        self.size_visibility(layers, segments.iter().filter_map(|s| s.visibility).max());
+        let on_layers = layers.iter().flat_map(|layers| &layers.segments).flatten();
+        let widest = segments.iter().chain(on_layers).filter_map(|s| s.visibility).max();
+        self.size_visibility(visibilities, widest);
         if counting > 0 {
-            self.b.slots[self.depth.0].reason = "hidden surfaces, and the counts of shadow volumes".into();
+            let slot = &mut self.b.slots[self.depth.0];
+            slot.reason = "hidden surfaces, and the counts of shadow volumes".into();
+            if let SlotKind::Texture { format, .. } = &mut slot.kind {
+                *format = TextureFormat::Depth32FloatStencil8;
+            }
         }
         // One light with counts is shaded straight from the stencil, if nothing else counts in it.
         let mask = if counted > 0 && counting > 1 { Some(self.light_mask(counted)?) } else { None };
@@ -120,15 +129,26 @@ impl Assembly<'_> {
                 smooth_terminators,
                 own_shadow,
                 factor_image,
+                layer_factor_images: vec![],
             });
         }
-        self.shading(prepass, counting > 0, mask, &lights);
+        let finished = self.drawn;
+        if layers.is_some() {
+            self.drawn = self.picture_behind_layers();
+        }
+        self.shading(prepass, counting > 0, mask, &lights, layers.is_some());
         for (light, part) in apart {
             self.darken_by(&light, part);
         }
         if let Some(weight) = weight.filter(|_| !once.is_empty()) {
             let once = once.into_iter().map(|pass| self.with_stencil_as_it_is(pass)).collect();
             self.darken(once, weight);
+        }
+        let (mut layer_count, mut layer_triangles) = (0, vec![]);
+        if let Some(layers) = layers {
+            layer_count = layers.segments.len() as u32;
+            layer_triangles.clone_from(&layers.kept_triangles);
+            self.draw_layers(layers, mask, finished, &mut lights);
         }
         self.finish_picture();
         let Self { b, picture, request, .. } = self;
@@ -140,9 +160,11 @@ impl Assembly<'_> {
             lights,
             picture,
             visible_triangles: visible_triangles.filter(|_| request.factors),
+            layers: layer_count,
+            layer_triangles,
             notes: b.notes,
         };
-        if layers == 0 {
+        if visibilities == 0 {
             plan.remove_slot(self.visibility);
         }
         Ok(plan)
@@ -210,7 +232,7 @@ impl Assembly<'_> {
     }
 
     /// Techniques that only test depth do not know whether others count in the stencil beside it.
-    fn with_stencil_as_it_is(&self, mut pass: Pass) -> Pass {
+    pub(super) fn with_stencil_as_it_is(&self, mut pass: Pass) -> Pass {
         if let Some(depth) = &mut pass.depth
             && depth.slot == self.depth
             && depth.stencil.is_none()
@@ -243,13 +265,11 @@ impl Assembly<'_> {
         shader: Option<Shader>,
         state: DrawState,
     ) -> Draw {
-        let parts =
-            if style == SurfaceStyle::Blended { &self.surfaces.blended } else { &self.surfaces.opaque };
         Draw {
             name: name.into(),
             shader,
             state,
-            geometry: Surfaces::geometry(self.posed, style, parts),
+            geometry: Surfaces::geometry(self.posed, style, &self.surfaces.opaque),
             bindings: vec![],
             scissor_px: None,
         }
@@ -289,7 +309,7 @@ impl Assembly<'_> {
     }
 
     /// Marks a light's shadow in the mask and sets the stencil back to zero for the next light.
-    fn resolve_to_mask(&self, light: &str, mask: SlotId, bit: u32) -> Pass {
+    pub(super) fn resolve_to_mask(&self, light: &str, mask: SlotId, bit: u32) -> Pass {
         let layer = bit / 32;
         let first = bit.is_multiple_of(32);
         let mut state = DrawState::new(CompareFunction::Always, vec![Some(ADD_CONSTANT)]);

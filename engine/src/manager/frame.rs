@@ -3,13 +3,14 @@
 use wgpu::TextureFormat;
 
 use super::assembly::Assembly;
+use super::layers::Layered;
 use super::request::{Adapter, FrameError, FrameRequest, PictureFormat};
-use super::segments::{Layers, Left, Segment};
+use super::segments::{self, Left, Segment, VisibilityLayers};
 use super::surface_functions;
 use super::surfaces::{Surfaces, receiver_bounds};
 use crate::plan::{ALL_TAKEN, Antialias, FramePlan, PlanBuilder, SlotId, SlotKind};
 use crate::scene::{Posed, PosedLight};
-use crate::shadow::{Cache, Channels, Claim, LightPlan, Registry, ShadowError, View};
+use crate::shadow::{Cache, Channels, Claim, Darkening, Layers, LightPlan, Registry, ShadowError, View};
 
 /// Plans one frame of `posed`. Needs no device.
 ///
@@ -67,79 +68,27 @@ pub fn plan_frame(
         b.texture("visibility", TextureFormat::R16Float, 1, "factors of lights that are not hard");
 
     // Each light's own passes.
-    let mut segments = Vec::new();
-    let mut layers = Layers::new(visibility);
-    let mut darkening = None;
-    // The first node that darkens the finished picture by itself.
-    let mut darkens_apart: Option<(String, &'static str)> = None;
-    let (mut triangles, mut normals) = (None, None);
-    for (index, claims) in registry.lights.iter().enumerate() {
-        let mut segment = Segment { claimed: !claims.is_empty(), ..Segment::default() };
-        let light = &posed.lights[index];
-        if claims.is_empty() {
-            b.note(format!("light '{}' has no shadow node: no passes", light.name));
-        } else if !light.may_reach(&view.receiver_bounds) {
-            b.note(format!("light '{}' reaches nothing in view: no passes", light.name));
-        } else {
-            let mut counts_bound = 0;
-            let mut left: Vec<(&String, Left)> = Vec::new();
-            for claim in claims {
-                segment.techniques.push(claim.label.clone());
-                if claim.casters.is_empty() {
-                    b.note(format!("'{}' has no casters for light '{}': no passes", claim.node, light.name));
-                    continue;
-                }
-                let (mut once, mut apart, mut own_shadow) = (false, false, false);
-                let (mut counts, mut taken) = (false, ALL_TAKEN);
-                let (passes_before, visibility_before) = (b.passes.len(), segment.visibility);
-                let required = claim.technique.requirements().required;
-                let mut light_plan = LightPlan {
-                    posed,
-                    view: &view,
-                    features: adapter.features,
-                    adapter: adapter.name,
-                    cache: &mut *cache,
-                    light_index: index,
-                    claim,
-                    builder: &mut b,
-                    depth,
-                    visibility,
-                    uses_counts: &mut counts,
-                    uses_visibility: &mut segment.visibility,
-                    counts_bound: &mut counts_bound,
-                    visibility_layer: layers.count,
-                    darkening: &mut darkening,
-                    darkens: &mut once,
-                    smooth_terminators: &mut segment.smooth_terminators,
-                    visible_triangles: &mut triangles,
-                    receiver_normals: &mut normals,
-                    own_shadow: &mut own_shadow,
-                    taken: &mut taken,
-                    darkens_apart: &mut apart,
-                };
-                light_plan.require(required, "always")?;
-                claim.technique.plan(&mut light_plan)?;
-                let own = b.passes.get(passes_before..).unwrap_or_default();
-                let mut targets = own.iter().flat_map(|pass| &pass.colors);
-                let visible = targets.any(|color| color.slot == visibility);
-                segment.own_shadow |= own_shadow && visible;
-                let passes = passes_before..b.passes.len();
-                let visibility = visible || segment.visibility != visibility_before;
-                left.push((&claim.node, Left { passes, counts, visibility, taken, once, apart }));
-                check_one_way(light, &left)?;
-                if apart {
-                    darkens_apart.get_or_insert_with(|| (claim.node.clone(), claim.technique.type_name()));
-                }
-                check_per_sample(&b, claim, depth, segment.visibility, [triangles, normals])?;
-            }
-            // What is darkened once is counted, whoever asks.
-            let of_light =
-                left.into_iter().map(|(_, left)| Left { counts: left.counts || left.once, ..left });
-            let left: Vec<Left> = of_light.collect();
-            segment.sort(&std::mem::take(&mut b.passes), &left, &mut layers, request.factors);
-        }
-        segments.push(segment);
+    let mut planner = Planner {
+        posed,
+        view: &view,
+        registry,
+        adapter,
+        cache,
+        visibility,
+        darkening: None,
+        darkens_apart: None,
+        visibility_layers: VisibilityLayers::new(visibility),
+        darkens: vec![false; registry.lights.len()],
+        factors: request.factors,
+    };
+    let mut seen = Seen::default();
+    let opaque = Receivers { depth, layer: None };
+    let mut segments = planner.lights(&mut b, opaque, &mut seen)?;
+    let mut layers = planner.layers(&mut b, request, &surfaces)?;
+    if let Some(layers) = &mut layers {
+        planner.join(&mut segments, layers)?;
     }
+    let Planner { darkening, darkens_apart, visibility_layers, .. } = planner;
 
     let once = darkening.as_ref().map(|darkening| (darkening.node.clone(), darkening.technique));
     if let (Some((node, technique)), PictureFormat::LinearF32) = (once.or(darkens_apart), request.picture) {
@@ -164,10 +113,11 @@ pub fn plan_frame(
         drawn,
         depth,
         visibility,
-        triangles,
-        normals,
+        triangles: seen.triangles,
+        normals: seen.normals,
     };
-    let plan = assembly.assemble(segments, layers.count, darkening.map(|darkening| darkening.weight))?;
+    let weight = darkening.map(|darkening| darkening.weight);
+    let plan = assembly.assemble(segments, visibility_layers.count, weight, layers)?;
     plan.validate().map_err(ShadowError::from)?;
     Ok(plan)
 }
@@ -189,6 +139,155 @@ fn check_one_way(light: &PosedLight, left: &[(&String, Left)]) -> Result<(), Sha
     match (once.or(apart), shaded) {
         (Some(darkening), Some(other)) => Err(ShadowError::DarkenedTwice { light, darkening, other }),
         _ => Ok(()),
+    }
+}
+
+/// What techniques asked to know about the surface that each pixel shows.
+#[derive(Default)]
+pub(super) struct Seen {
+    /// Its instance and triangle.
+    pub(super) triangles: Option<SlotId>,
+    /// Its normal.
+    pub(super) normals: Option<SlotId>,
+}
+
+/// What the passes of all lights are planned with, for the opaque surfaces and for each layer.
+pub(super) struct Planner<'a> {
+    pub(super) posed: &'a Posed,
+    pub(super) view: &'a View,
+    pub(super) registry: &'a Registry,
+    pub(super) adapter: &'a Adapter<'a>,
+    pub(super) cache: &'a mut Cache,
+    pub(super) visibility: SlotId,
+    pub(super) darkening: Option<Darkening>,
+    /// The first node that darkens the finished picture by itself.
+    pub(super) darkens_apart: Option<(String, &'static str)>,
+    pub(super) visibility_layers: VisibilityLayers,
+    /// The lights whose shadows darken the finished picture, which is that of the opaque surfaces.
+    pub(super) darkens: Vec<bool>,
+    /// Whether factors are asked for as images.
+    pub(super) factors: bool,
+}
+
+/// The surfaces that shadows are planned to fall on.
+#[derive(Clone, Copy)]
+pub(super) struct Receivers {
+    pub(super) depth: SlotId,
+    /// Which layer of transparent surfaces; `None` for the opaque ones.
+    pub(super) layer: Option<u32>,
+}
+
+impl Planner<'_> {
+    /// What each light's techniques plan for `receivers`.
+    pub(super) fn lights(
+        &mut self,
+        b: &mut PlanBuilder,
+        receivers: Receivers,
+        seen: &mut Seen,
+    ) -> Result<Vec<Segment>, FrameError> {
+        let mut segments = Vec::new();
+        for (index, claims) in self.registry.lights.iter().enumerate() {
+            let mut segment = Segment { claimed: !claims.is_empty(), ..Segment::default() };
+            let light = &self.posed.lights[index];
+            let falls = match receivers.layer {
+                None => true,
+                Some(0) => self.registry.receiver_layers(index) >= Layers::First,
+                Some(_) => self.registry.receiver_layers(index) == Layers::All,
+            };
+            if claims.is_empty() {
+                b.note(format!("light '{}' has no shadow node: no passes", light.name));
+            } else if !light.may_reach(&self.view.receiver_bounds) {
+                b.note(format!("light '{}' reaches nothing in view: no passes", light.name));
+            } else if falls && !self.darkens[index] {
+                let left = self.claims(b, (index, claims), receivers, seen, &mut segment)?;
+                let passes = std::mem::take(&mut b.passes);
+                segment.sort(index, (&passes, &left), &mut self.visibility_layers, self.factors);
+                self.darkens[index] = !segment.after.is_empty();
+            }
+            segments.push(segment);
+        }
+        Ok(segments)
+    }
+
+    /// What the techniques of light number `index` plan, into `b` and `segment`; and what each of them left.
+    fn claims(
+        &mut self,
+        b: &mut PlanBuilder,
+        (index, claims): (usize, &[Claim]),
+        receivers: Receivers,
+        seen: &mut Seen,
+        segment: &mut Segment,
+    ) -> Result<Vec<Left>, FrameError> {
+        let light = &self.posed.lights[index];
+        let mut counts_bound = 0;
+        let mut left: Vec<(&String, Left)> = Vec::new();
+        for claim in claims {
+            segment.techniques.push(claim.label.clone());
+            if claim.casters.is_empty() {
+                b.note(format!("'{}' has no casters for light '{}': no passes", claim.node, light.name));
+                continue;
+            }
+            let (mut once, mut apart, mut own_shadow) = (false, false, false);
+            let (mut counts, mut taken) = (false, ALL_TAKEN);
+            let (passes_before, visibility_before) = (b.passes.len(), segment.visibility);
+            let required = claim.technique.requirements().required;
+            let mut light_plan = LightPlan {
+                posed: self.posed,
+                view: self.view,
+                features: self.adapter.features,
+                adapter: self.adapter.name,
+                cache: &mut *self.cache,
+                light_index: index,
+                claim,
+                builder: &mut *b,
+                depth: receivers.depth,
+                visibility: self.visibility,
+                uses_counts: &mut counts,
+                uses_visibility: &mut segment.visibility,
+                counts_bound: &mut counts_bound,
+                visibility_layer: self.visibility_layers.count,
+                darkening: &mut self.darkening,
+                darkens: &mut once,
+                smooth_terminators: &mut segment.smooth_terminators,
+                visible_triangles: &mut seen.triangles,
+                receiver_normals: &mut seen.normals,
+                own_shadow: &mut own_shadow,
+                taken: &mut taken,
+                darkens_apart: &mut apart,
+                layer: receivers.layer,
+            };
+            light_plan.require(required, "always")?;
+            claim.technique.plan(&mut light_plan)?;
+            let own = b.passes.get(passes_before..).unwrap_or_default();
+            let mut targets = own.iter().flat_map(|pass| &pass.colors);
+            let visible = targets.any(|color| color.slot == self.visibility);
+            segment.own_shadow |= own_shadow && visible;
+            let passes = passes_before..b.passes.len();
+            let visibility = visible || segment.visibility != visibility_before;
+            left.push((&claim.node, Left { passes, counts, visibility, taken, once, apart }));
+            check_one_way(light, &left)?;
+            if apart {
+                self.darkens_apart.get_or_insert_with(|| (claim.node.clone(), claim.technique.type_name()));
+            }
+            check_per_sample(b, claim, receivers.depth, segment.visibility, [seen.triangles, seen.normals])?;
+        }
+        // What is darkened once is counted, whoever asks.
+        Ok(left.into_iter().map(|(_, left)| Left { counts: left.counts || left.once, ..left }).collect())
+    }
+
+    /// Gives factors the same places on all surfaces.
+    ///
+    /// # Errors
+    /// [`ShadowError::LayersDiffer`] for a light that has other parts on some layer.
+    fn join(&self, opaque: &mut [Segment], layered: &mut Layered) -> Result<(), ShadowError> {
+        for (index, segment) in opaque.iter_mut().enumerate() {
+            let on_layers = layered.segments.iter_mut().map(|segments| &mut segments[index]).collect();
+            if !segments::join(segment, on_layers, self.visibility) {
+                let light = self.posed.lights[index].name.clone();
+                return Err(ShadowError::LayersDiffer { light });
+            }
+        }
+        Ok(())
     }
 }
 

@@ -6,6 +6,8 @@ mod darkening;
 mod exposure;
 mod factors;
 mod frame;
+mod layer_count;
+mod layers;
 mod renderer;
 mod request;
 mod segments;
@@ -16,5 +18,5 @@ mod surfaces;
 
 pub use exposure::Exposure;
 pub use frame::plan_frame;
-pub use renderer::{FactorImage, Frame, RenderError, RenderOptions, Renderer};
+pub use renderer::{FactorImage, Frame, FrameLayer, RenderError, RenderOptions, Renderer};
 pub use request::{Adapter, FrameError, FrameRequest, PictureFormat};

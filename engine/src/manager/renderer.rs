@@ -48,6 +48,15 @@ pub struct FactorImage {
     pub pixels: Pixels,
 }
 
+/// What was asked for of one layer of transparent surfaces.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameLayer {
+    /// (instance, triangle) of every pixel; `u32::MAX` where there is no such layer.
+    pub triangles: Vec<[u32; 2]>,
+    /// The factor of every light that a shadow node serves, 1 where the layer receives none.
+    pub factors: Vec<FactorImage>,
+}
+
 /// A rendered frame.
 #[derive(Clone, Debug)]
 pub struct Frame {
@@ -59,6 +68,8 @@ pub struct Frame {
     pub visible_triangles: Option<Vec<[u32; 2]>>,
     /// The factor of every light that a shadow node serves, if asked for.
     pub factors: Vec<FactorImage>,
+    /// Those of [`FrameRequest::layer_factors`] that there are, nearest first.
+    pub layers: Vec<FrameLayer>,
     /// The names of the passes that did not run, since what they draw was kept from an earlier frame.
     pub kept: Vec<String>,
     /// GPU times of passes.
@@ -198,6 +209,8 @@ enum Purpose {
     Picture,
     VisibleTriangles,
     Factor(String),
+    LayerTriangles(usize),
+    LayerFactor(usize, String),
 }
 
 fn wanted_slots(plan: &FramePlan, read_picture: bool) -> Vec<(SlotId, Purpose)> {
@@ -206,7 +219,11 @@ fn wanted_slots(plan: &FramePlan, read_picture: bool) -> Vec<(SlotId, Purpose)> 
     wanted.extend(plan.visible_triangles.map(|slot| (slot, Purpose::VisibleTriangles)));
     for light in &plan.lights {
         wanted.extend(light.factor_image.map(|slot| (slot, Purpose::Factor(light.name.clone()))));
+        let layers = light.layer_factor_images.iter().enumerate();
+        wanted.extend(layers.map(|(layer, slot)| (*slot, Purpose::LayerFactor(layer, light.name.clone()))));
     }
+    let layers = plan.layer_triangles.iter().enumerate();
+    wanted.extend(layers.map(|(layer, slot)| (*slot, Purpose::LayerTriangles(layer))));
     wanted
 }
 
@@ -217,6 +234,7 @@ fn frame_of(
 ) -> Result<Frame, PixelsError> {
     let Executed { pixels, kept, times, gpu_ms, gpu_bytes } = executed;
     let mut frame = Frame {
+        layers: vec![FrameLayer::default(); plan.layer_triangles.len()],
         plan,
         picture: None,
         visible_triangles: None,
@@ -231,6 +249,10 @@ fn frame_of(
             Purpose::Picture => frame.picture = Some(pixels),
             Purpose::VisibleTriangles => frame.visible_triangles = Some(pixels.pairs()?),
             Purpose::Factor(light) => frame.factors.push(FactorImage { light, pixels }),
+            Purpose::LayerTriangles(layer) => frame.layers[layer].triangles = pixels.pairs()?,
+            Purpose::LayerFactor(layer, light) => {
+                frame.layers[layer].factors.push(FactorImage { light, pixels });
+            }
         }
     }
     Ok(frame)

@@ -1,5 +1,7 @@
 //! What is wanted of a frame, of which adapter, and why it may be refused.
 
+use std::ops::Range;
+
 use thiserror::Error;
 use wgpu::TextureFormat;
 
@@ -32,6 +34,14 @@ pub enum FrameError {
         "antialias msaa4 keeps the counts of up to {limit} lights apart in its light mask, the scene has {lights} (accepted for it: none, ssaa4)"
     )]
     MultisampledLights { lights: u32, limit: u32 },
+    #[error(
+        "{asked_by} wants shadows on transparent surfaces, which antialias msaa4 does not draw apart (accepted for it: none, ssaa4)"
+    )]
+    MultisampledLayers { asked_by: String },
+    #[error(
+        "{asked_by} wants shadows on transparent surfaces, of which up to {layers} lie one behind the other in this view; the limit is {limit}"
+    )]
+    TooManyLayers { asked_by: String, layers: u32, limit: u32 },
     #[error(
         "camera '{name}' is not valid: it needs 0 < near < far, and a field of view between 0 and pi or a positive height, all finite"
     )]
@@ -70,12 +80,22 @@ pub struct FrameRequest {
     /// Whether each shadowed light's factor is kept as an image, with the visible triangle of every pixel, or of every
     /// sample when edges are smoothed.
     pub factors: bool,
+    /// Of which layers of transparent surfaces, 0 the nearest, the factors are kept as well: those of lights whose
+    /// techniques ask for layers, with the visible triangle of every pixel of the layer. Each layer takes its images.
+    pub layer_factors: Range<u32>,
 }
 
 impl FrameRequest {
     /// An sRGB picture of this size from `camera`, without antialiasing.
     pub fn new(camera: PosedCamera, size_px: [u32; 2]) -> Self {
-        Self { camera, size_px, picture: PictureFormat::Srgb8, antialias: Antialias::None, factors: false }
+        Self {
+            camera,
+            size_px,
+            picture: PictureFormat::Srgb8,
+            antialias: Antialias::None,
+            factors: false,
+            layer_factors: 0..0,
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::plan::{ALL_TAKEN, Binding, FactorAt, Load, Pass, SlotId};
+use crate::plan::{ALL_TAKEN, Binding, ColorTarget, FactorAt, Load, Pass, SlotId};
 use crate::shadow::Channels;
 
 /// Passes that together leave one factor: counts in a stencil that was zero, a layer of the visibility, or both.
@@ -49,11 +49,13 @@ pub(super) struct Left {
 
 /// Hands out layers of the visibility array.
 #[derive(Debug)]
-pub(super) struct Layers {
+pub(super) struct VisibilityLayers {
     pub(super) visibility: SlotId,
     pub(super) count: u32,
     /// The one layer of everything that darkens the finished picture, one after the other.
     after: Option<u32>,
+    /// For each light, what its factor by itself and each of its parts took: transparent layers draw into the same.
+    kept: Vec<Vec<Option<u32>>>,
 }
 
 impl Part {
@@ -72,21 +74,43 @@ impl Part {
     }
 }
 
-impl Layers {
+impl VisibilityLayers {
     pub(super) fn new(visibility: SlotId) -> Self {
-        Self { visibility, count: 0, after: None }
+        Self { visibility, count: 0, after: None, kept: vec![] }
     }
 
     fn next(&mut self) -> u32 {
         self.count += 1;
         self.count - 1
     }
+
+    /// The layer of part number `part` of a light, 0 the factor by itself; a new one where it has none yet.
+    fn of(&mut self, light: usize, part: usize) -> u32 {
+        if self.kept.len() <= light {
+            self.kept.resize(light + 1, vec![]);
+        }
+        if self.kept[light].len() <= part {
+            self.kept[light].resize(part + 1, None);
+        }
+        if let Some(layer) = self.kept[light][part] {
+            return layer;
+        }
+        let layer = self.next();
+        self.kept[light][part] = Some(layer);
+        layer
+    }
 }
 
 impl Segment {
-    /// Sorts what the claims of one light left in `passes`, all of it drawn for layer `base` of the visibility. Claims
-    /// that neither weigh nor colour their shadow share a factor; each of the others has its own.
-    pub(super) fn sort(&mut self, passes: &[Pass], left: &[Left], layers: &mut Layers, factors: bool) {
+    /// Sorts what the claims of light number `light` left in `passes`, all of it drawn for the next layer of the
+    /// visibility, whatever receives. Claims that neither weigh nor colour their shadow share a factor; each of the others has its own.
+    pub(super) fn sort(
+        &mut self,
+        light: usize,
+        (passes, left): (&[Pass], &[Left]),
+        layers: &mut VisibilityLayers,
+        factors: bool,
+    ) {
         let base = layers.count;
         let whole = Part::of(passes, left.iter(), ALL_TAKEN);
         self.once = left.iter().any(|left| left.once);
@@ -108,12 +132,12 @@ impl Segment {
             for pass in &mut alone.passes {
                 pass.reason += "; here for the factor by itself, which no weight changes";
             }
-            alone.set_layer(layers, base, None);
+            alone.set_layer(layers, base, |layers| layers.of(light, 0));
             self.alone = Some(alone);
         }
-        for part in &mut parts {
+        for (part, number) in parts.iter_mut().zip(1..) {
             let shared = if apart { layers.after } else { None };
-            part.set_layer(layers, base, shared);
+            part.set_layer(layers, base, |layers| shared.unwrap_or_else(|| layers.of(light, number)));
             if apart {
                 layers.after = part.layer.or(layers.after);
             }
@@ -134,12 +158,17 @@ impl Part {
         part
     }
 
-    /// Has the passes draw into a layer of their own, or into `shared`, and begin with 1 there.
-    fn set_layer(&mut self, layers: &mut Layers, base: u32, shared: Option<u32>) {
+    /// Has the passes draw into the `chosen` layer, where they draw into one, and begin with 1 there.
+    fn set_layer(
+        &mut self,
+        layers: &mut VisibilityLayers,
+        base: u32,
+        chosen: impl FnOnce(&mut VisibilityLayers) -> u32,
+    ) {
         if self.layer.is_none() {
             return;
         }
-        let layer = shared.unwrap_or_else(|| layers.next());
+        let layer = chosen(layers);
         self.layer = Some(layer);
         let mut first = true;
         for pass in &mut self.passes {
@@ -160,4 +189,69 @@ impl Part {
             }
         }
     }
+
+    /// What stands for this part on receivers where it left nothing: no passes, in the same place.
+    fn nothing(&self) -> Self {
+        Self { passes: vec![], counts: false, layer: None, taken: self.taken }
+    }
+
+    /// Keeps counts and visibility where `other`, the same part on other receivers, has them.
+    fn take_place(&mut self, other: &Self, visibility: SlotId) {
+        self.counts |= other.counts;
+        if let (None, Some(layer)) = (self.layer, other.layer) {
+            self.layer = Some(layer);
+            self.passes.insert(0, lit_visibility(visibility, layer));
+        }
+    }
+}
+
+impl Segment {
+    /// Its factor by itself, and its parts.
+    fn parts_mut(&mut self) -> impl Iterator<Item = &mut Part> {
+        self.alone.iter_mut().chain(&mut self.shaded)
+    }
+}
+
+/// Sets a light's visibility to 1 where its techniques leave it alone and on other surfaces do not.
+fn lit_visibility(visibility: SlotId, layer: u32) -> Pass {
+    Pass {
+        name: "clear visibility".into(),
+        reason: "nothing shadows it here, but on other surfaces".into(),
+        colors: vec![ColorTarget { slot: visibility, layer, load: Load::Clear([1.0; 4]), resolve: None }],
+        depth: None,
+        draws: vec![],
+    }
+}
+
+/// Gives one light's factors the same places on the opaque surfaces and on all `layers` of transparent ones, so that
+/// shading finds them where it is told once. False when the light has other parts on some layer.
+pub(super) fn join(opaque: &mut Segment, mut layers: Vec<&mut Segment>, visibility: SlotId) -> bool {
+    for layer in &mut layers {
+        if !layer.after.is_empty() {
+            return false;
+        }
+        if layer.shaded.is_empty() && layer.alone.is_none() && opaque.after.is_empty() {
+            layer.shaded = opaque.shaded.iter().map(Part::nothing).collect();
+            layer.alone = opaque.alone.as_ref().map(Part::nothing);
+        }
+        let shaded_apart = opaque.after.is_empty() && layer.alone.is_some() != opaque.alone.is_some();
+        if layer.shaded.len() != opaque.shaded.len() || shaded_apart {
+            return false;
+        }
+    }
+    if !opaque.after.is_empty() {
+        return true;
+    }
+    // First everything is put together in the opaque surfaces' segment, then handed out.
+    for layer in &mut layers {
+        for (part, own) in opaque.parts_mut().zip(layer.parts_mut()) {
+            part.take_place(own, visibility);
+        }
+    }
+    for layer in &mut layers {
+        for (own, part) in layer.parts_mut().zip(opaque.parts_mut()) {
+            own.take_place(part, visibility);
+        }
+    }
+    true
 }

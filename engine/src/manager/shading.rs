@@ -12,13 +12,14 @@ use crate::plan::{
 use crate::shadow::hash_of;
 
 impl Assembly<'_> {
-    /// Shades what is seen by all lights at once.
+    /// Shades what is opaque by all lights at once; and what is transparent, unless that is drawn in layers.
     pub(super) fn shading(
         &mut self,
         after_prepass: bool,
         counts: bool,
         mask: Option<SlotId>,
         lights: &[LightPlanned],
+        layered: bool,
     ) {
         let background = self.posed.background.as_dvec3();
         let mut bindings = Vec::new();
@@ -51,12 +52,8 @@ impl Assembly<'_> {
         }
         let mut draws = vec![self.surfaces_draw("opaque surfaces", SurfaceStyle::Opaque, None, state)];
         draws[0].bindings = bindings;
-        if !self.surfaces.blended.is_empty() {
-            let state = DrawState::new(
-                CompareFunction::Greater,
-                vec![Some(BlendState::PREMULTIPLIED_ALPHA_BLENDING)],
-            );
-            draws.push(self.surfaces_draw("blended surfaces", SurfaceStyle::Blended, None, state));
+        if !layered && !self.surfaces.blended.is_empty() {
+            draws.extend(self.sorted_draws());
             self.b.note("blended surfaces are lit without shadows: factors are those of the opaque surface");
         }
         self.b.notes.extend(surface_functions::notes(self.posed, &self.surfaces, lights));
@@ -81,7 +78,7 @@ impl Assembly<'_> {
 
     /// What the picture loses where factors are 0, as `tints` of surface_shade: an entry for each light, and after them
     /// one for each further factor. `None` when shadows take everything, each light's in one factor.
-    fn tints(&mut self, lights: &[LightPlanned]) -> Option<SlotId> {
+    pub(super) fn tints(&mut self, lights: &[LightPlanned]) -> Option<SlotId> {
         if lights.iter().all(|light| light.taken == ALL_TAKEN && light.more_factors.is_empty()) {
             return None;
         }

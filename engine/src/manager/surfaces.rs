@@ -12,8 +12,10 @@ use crate::shadow::View;
 pub(crate) struct Surfaces {
     /// (instance, part), in drawing order.
     pub(crate) opaque: Vec<(u32, u32)>,
-    /// (instance, part), far to near.
+    /// Transparent: (instance, part), far to near.
     pub(crate) blended: Vec<(u32, u32)>,
+    /// The same in drawing order.
+    pub(crate) transparent: Vec<(u32, u32)>,
     /// Instances with an opaque part, in drawing order.
     pub(crate) opaque_instances: Vec<u32>,
     /// Instances outside the frustum.
@@ -47,6 +49,7 @@ impl Surfaces {
                 }
             }
         }
+        surfaces.transparent = blended.iter().map(|(_, key)| *key).collect();
         blended.sort_by(|a, b| b.0.total_cmp(&a.0));
         surfaces.blended = blended.into_iter().map(|(_, key)| key).collect();
         surfaces

@@ -39,6 +39,8 @@ pub struct LightPlanned {
     pub own_shadow: bool,
     /// Index of the factor image slot, when one was asked for.
     pub factor_image: Option<SlotId>,
+    /// The slots with its factors on transparent layers, of those that were asked for: nearest first.
+    pub layer_factor_images: Vec<SlotId>,
 }
 
 /// What shadow takes of a light unless a node says otherwise: everything.

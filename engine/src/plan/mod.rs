@@ -258,16 +258,24 @@ pub enum SurfaceStyle {
     Opaque,
     /// Shaded and blended over what is there, far to near.
     Blended,
+    /// Multiplies what is there by what passes the surface.
+    Tint,
+    /// Pulled by index and shaded where they are the layer that the draw reads (binding 3, after what the layers before
+    /// it let pass at 4, counts at 5, light mask at 6, visibility at 7).
+    Layer,
+    /// Pulled by index: multiplies what is there by what passes the surface, where it is the layer that the draw reads
+    /// (binding 3).
+    LayerTint,
     /// Pulled by index, with the shader of the draw: instance and triangle are known.
     Pulled,
-    /// As [`SurfaceStyle::Pulled`], with the materials bound: surfaces with the holes of an alpha mask.
+    /// As [`SurfaceStyle::Pulled`], with the materials bound: surfaces of which parts may not be there.
     PulledMasked,
 }
 
 impl SurfaceStyle {
     /// Whether vertices are pulled by index.
     pub fn is_pulled(self) -> bool {
-        matches!(self, Self::Pulled | Self::PulledMasked)
+        matches!(self, Self::Pulled | Self::PulledMasked | Self::Layer | Self::LayerTint)
     }
 }
 
@@ -391,6 +399,11 @@ pub struct FramePlan {
     pub picture: SlotId,
     /// The slot with (instance, triangle) of every pixel, when asked for.
     pub visible_triangles: Option<SlotId>,
+    /// How many layers of transparent surfaces are drawn apart, nearest first, because shadows fall on them; an upper
+    /// bound on those of any pixel.
+    pub layers: u32,
+    /// The slots with (instance, triangle) of the layers whose factors were asked for: nearest first.
+    pub layer_triangles: Vec<SlotId>,
     /// What was left out, and why.
     pub notes: Vec<String>,
 }

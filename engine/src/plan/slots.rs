@@ -38,5 +38,7 @@ impl FramePlan {
         shift(&mut self.picture);
         self.visible_triangles.iter_mut().for_each(shift);
         self.lights.iter_mut().filter_map(|light| light.factor_image.as_mut()).for_each(shift);
+        self.lights.iter_mut().flat_map(|light| &mut light.layer_factor_images).for_each(shift);
+        self.layer_triangles.iter_mut().for_each(shift);
     }
 }

@@ -38,6 +38,9 @@ impl fmt::Display for FramePlan {
             }
             writeln!(f, "{}", if light.own_shadow { ", own shadows in its factor" } else { "" })?;
         }
+        if self.layers > 0 {
+            writeln!(f, "  layers of transparent surfaces: {}", self.layers)?;
+        }
         for pass in &self.passes {
             self.write_pass(f, pass)?;
         }

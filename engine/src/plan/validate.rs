@@ -298,14 +298,16 @@ impl FramePlan {
     }
 
     fn check_factors(&self, written: &HashSet<(SlotId, u32)>) -> Result<(), PlanError> {
-        for slot in [Some(self.picture), self.visible_triangles].into_iter().flatten() {
+        let delivered = [Some(self.picture), self.visible_triangles].into_iter().flatten();
+        for slot in delivered.chain(self.layer_triangles.iter().copied()) {
             if !written.contains(&(slot, 0)) {
                 return Err(PlanError::NeverWritten { slot: self.slots[slot.0].name.clone() });
             }
         }
         for light in &self.lights {
             let never = |place: String| PlanError::FactorNeverWritten { light: light.name.clone(), place };
-            if light.factor_image.is_some_and(|slot| !written.contains(&(slot, 0))) {
+            let images = light.factor_image.iter().chain(&light.layer_factor_images);
+            if images.into_iter().any(|slot| !written.contains(&(*slot, 0))) {
                 return Err(never("its factor image".into()));
             }
             let counted = self.passes.iter().any(|pass| self.counts(pass));

@@ -32,7 +32,7 @@ const MAX_DEPTH: usize = 64;
 const MAX_STATEMENT: usize = 1000;
 const TOO_NESTED: &str = "up to 64 brackets within one another, 64 branches in a function and 1000 names and signs in a statement are accepted";
 
-/// Every flag of surface_shade under which it declares a name.
+/// Every flag of surface_shade under which it declares a name, but for those of [`ONE_OF`].
 const ALL_FLAGS: &[&str] = &[
     "BASE_COLOR_TEXTURE",
     "COUNTS",
@@ -40,7 +40,6 @@ const ALL_FLAGS: &[&str] = &[
     "MASK",
     "MASKED",
     "METALLIC_ROUGHNESS_TEXTURE",
-    "MULTISAMPLED",
     "NORMAL_TEXTURE",
     "OCCLUSION_TEXTURE",
     "SECOND_UV",
@@ -50,6 +49,9 @@ const ALL_FLAGS: &[&str] = &[
     "VERTEX_COLOR",
     "VISIBILITY",
 ];
+
+/// Flags under which it declares names, and which exclude one another.
+const ONE_OF: [&str; 2] = ["MULTISAMPLED", "LAYER"];
 
 /// Why a surface function was refused. Lines are those of its own text, counted from 1.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -92,7 +94,8 @@ pub enum SurfaceFunctionError {
 ///
 /// Beside these the text may have functions, constants, structures, aliases and private variables of names that the
 /// engine's shader does not use. Nothing but shading changes: the surface casts and receives as it would without.
-/// Where a shadow node darkens the finished picture, and on blended surfaces, the factor is that of an unshadowed light.
+/// Where a shadow node darkens the finished picture, and on transparent surfaces on which no technique lets shadows fall,
+/// the factor is that of an unshadowed light.
 #[derive(Clone)]
 pub struct SurfaceFunction {
     name: String,
@@ -170,7 +173,9 @@ impl SurfaceFunction {
         let interface = composed("common/surface", &["SURFACE_FUNCTION"]);
         let module = self.compiled(&interface)?;
         self.check_signatures(&module)?;
-        self.compiled(&composed("surface_shade", ALL_FLAGS))?;
+        for flag in ONE_OF {
+            self.compiled(&shading_with(flag))?;
+        }
         Ok(())
     }
 
@@ -296,37 +301,43 @@ fn composed(name: &str, flags: &[&str]) -> String {
     shadowgraph_shaders::compose_named(name, flags).unwrap_or_default()
 }
 
+/// The engine's shader with everything it may have, and one of [`ONE_OF`].
+fn shading_with(flag: &str) -> String {
+    composed("surface_shade", &[ALL_FLAGS, &[flag]].concat())
+}
+
 /// Names that mean something in the engine's shader: what it declares for the whole module, and the functions and types
 /// of the language that it uses (declared anew, they would change it). Names within its functions and structures do not
 /// matter.
 fn reserved() -> &'static HashSet<String> {
     static RESERVED: OnceLock<HashSet<String>> = OnceLock::new();
-    RESERVED.get_or_init(|| {
-        let text = composed("surface_shade", ALL_FLAGS);
-        let mut reserved: HashSet<String> = names(&text).into_iter().map(str::to_owned).collect();
-        let stub = format!("{REFLECTED} {{ return vec3f(); }} {OUTGOING} {OUTGOING_BODY}");
-        let module = naga::front::wgsl::parse_str(&format!("{text}{stub}")).unwrap_or_default();
-        let functions = module.functions.iter().map(|(_, function)| function);
-        for function in functions.chain(module.entry_points.iter().map(|entry| &entry.function)) {
-            let arguments = function.arguments.iter().filter_map(|argument| argument.name.as_ref());
-            let variables =
-                function.local_variables.iter().filter_map(|(_, variable)| variable.name.as_ref());
-            for name in arguments.chain(variables).chain(function.named_expressions.values()) {
+    RESERVED.get_or_init(|| ONE_OF.iter().flat_map(|flag| reserved_by(&shading_with(flag))).collect())
+}
+
+/// Those of one composed text.
+fn reserved_by(text: &str) -> HashSet<String> {
+    let mut reserved: HashSet<String> = names(text).into_iter().map(str::to_owned).collect();
+    let stub = format!("{REFLECTED} {{ return vec3f(); }} {OUTGOING} {OUTGOING_BODY}");
+    let module = naga::front::wgsl::parse_str(&format!("{text}{stub}")).unwrap_or_default();
+    let functions = module.functions.iter().map(|(_, function)| function);
+    for function in functions.chain(module.entry_points.iter().map(|entry| &entry.function)) {
+        let arguments = function.arguments.iter().filter_map(|argument| argument.name.as_ref());
+        let variables = function.local_variables.iter().filter_map(|(_, variable)| variable.name.as_ref());
+        for name in arguments.chain(variables).chain(function.named_expressions.values()) {
+            reserved.remove(name);
+        }
+    }
+    for (_, ty) in module.types.iter() {
+        if let naga::TypeInner::Struct { members, .. } = &ty.inner {
+            for name in members.iter().filter_map(|member| member.name.as_ref()) {
                 reserved.remove(name);
             }
         }
-        for (_, ty) in module.types.iter() {
-            if let naga::TypeInner::Struct { members, .. } = &ty.inner {
-                for name in members.iter().filter_map(|member| member.name.as_ref()) {
-                    reserved.remove(name);
-                }
-            }
-        }
-        for name in WANTED.map(|(name, ..)| name) {
-            reserved.remove(name);
-        }
-        // Module-wide names stay, whatever a function calls its own.
-        reserved.extend(declared(&text).into_iter().map(|(_, _, name)| name.to_owned()));
-        reserved
-    })
+    }
+    for name in WANTED.map(|(name, ..)| name) {
+        reserved.remove(name);
+    }
+    // Module-wide names stay, whatever a function calls its own.
+    reserved.extend(declared(text).into_iter().map(|(_, _, name)| name.to_owned()));
+    reserved
 }

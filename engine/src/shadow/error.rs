@@ -52,6 +52,10 @@ pub enum ShadowError {
         "light '{light}' is served by '{once}', which darkens the finished picture once for all lights, and by '{apart}', which darkens it by itself; one light may have one of the two"
     )]
     DarkeningsDiffer { light: String, once: String, apart: String },
+    #[error(
+        "the shadow nodes of light '{light}' weight or colour their shadows on a layer of transparent surfaces otherwise than on opaque ones; accepted is the same on all"
+    )]
+    LayersDiffer { light: String },
     #[error("shadow node '{node}' ({technique}) needs {needed}, which adapter '{adapter}' does not have")]
     MissingFeature { node: String, technique: &'static str, needed: String, adapter: String },
     #[error("shadow node '{node}' ({technique}): {reason}")]

@@ -82,6 +82,7 @@ pub struct LightPlan<'a> {
     /// What the picture loses where this claim's factor is 0, and whether the finished picture does, not the light.
     pub(crate) taken: &'a mut [f32; 3],
     pub(crate) darkens_apart: &'a mut bool,
+    pub(crate) layer: Option<u32>,
 }
 
 /// The one darkening of a frame's finished picture.
@@ -131,6 +132,16 @@ impl<'a> LightPlan<'a> {
     /// The reason why it cannot matter, for a note.
     pub fn may_shadow(&self, bounds: &Aabb) -> Result<(), &'static str> {
         culling::may_shadow(self.view, self.light(), bounds)
+    }
+
+    /// Which layer of transparent surfaces the receivers are, 0 the nearest to the eye at each pixel; `None` for the
+    /// opaque surfaces. Techniques that ask for layers ([`ShadowTechnique::receiver_layers`](super::ShadowTechnique))
+    /// are called for the opaque surfaces first. Where a pixel has no such layer, depth is 0.
+    ///
+    /// Layers hide nothing: of a layer's pixel, opaque casters nearer to the eye than the layer are not in view, and
+    /// transparent ones may be.
+    pub fn layer(&self) -> Option<u32> {
+        self.layer
     }
 
     /// The depth of the receivers, for sampling in a pass that does not attach it.

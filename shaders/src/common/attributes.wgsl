@@ -15,6 +15,15 @@ fn vertex_uvs(vertex: u32) -> Uvs {
 #endif
 }
 
+fn vertex_normal(vertex: u32) -> vec3f {
+    let at = vertex * 8u;
+    return bitcast<vec3f>(vec3u(attributes[at], attributes[at + 1u], attributes[at + 2u]));
+}
+
+fn vertex_color(vertex: u32) -> vec4f {
+    return unpack4x8unorm(attributes[vertex * 8u + 5u]);
+}
+
 fn vertex_alpha(vertex: u32) -> f32 {
     return f32(attributes[vertex * 8u + 5u] >> 24u) / 255.0;
 }

@@ -15,8 +15,10 @@ struct Material {
     mask_reading: u32,
     // One bit for each texture: whether it lies on the second texture coordinates.
     uv_sets: u32,
-    pad_0: u32,
-    pad_1: u32,
+    // `KHR_materials_transmission`: the fraction of light that passes.
+    transmission: f32,
+    // 1 where alpha blends over what is behind.
+    blends: u32,
     // Two rows for each texture: uv' = (dot(row0, (u, v, 1)), dot(row1, (u, v, 1))).
     uv_rows: array<vec4f, 10>,
 }
@@ -41,11 +43,16 @@ fn uv_of(texture: u32, uvs: Uvs) -> vec2f {
     return vec2f(dot(material.uv_rows[texture * 2u].xyz, uv1), dot(material.uv_rows[texture * 2u + 1u].xyz, uv1));
 }
 
-// Whether the surface is not there, where the vertex colour has this alpha.
-fn has_hole(uvs: Uvs, vertex_alpha: f32) -> bool {
+// The alpha of the base colour where the vertex colour has this alpha, of its texture's full size.
+fn full_alpha(uvs: Uvs, vertex_alpha: f32) -> f32 {
     var alpha = material.base_color.a * vertex_alpha;
 #if BASE_COLOR_TEXTURE
     alpha *= mask_alpha(base_color_texture, uv_of(0u, uvs), material.mask_reading);
 #endif
-    return alpha < material.alpha_cutoff;
+    return alpha;
+}
+
+// Whether the surface is not there, where the vertex colour has this alpha.
+fn has_hole(uvs: Uvs, vertex_alpha: f32) -> bool {
+    return full_alpha(uvs, vertex_alpha) < material.alpha_cutoff;
 }

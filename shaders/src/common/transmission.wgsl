@@ -14,13 +14,15 @@ fn texel_color(image: texture_2d<f32>, texel: vec2i, size: vec2i, reading: u32) 
 fn color_at(image: texture_2d<f32>, uv: vec2f, reading: u32) -> vec4f {
     let size = vec2i(textureDimensions(image));
     let place = uv * vec2f(size);
-    if (reading & 16u) == 0u {
-        return texel_color(image, vec2i(floor(place)), size, reading);
-    }
-    let corner = floor(place - 0.5);
-    let weight = place - 0.5 - corner;
+    let blends = (reading & 16u) != 0u;
+    let corner = floor(select(place, place - 0.5, blends));
+    let weight = select(vec2f(0.0), place - 0.5 - corner, blends);
     let texel = vec2i(corner);
     let a = texel_color(image, texel, size, reading);
+    // All the weight is one texel's.
+    if all(weight == vec2f(0.0)) {
+        return a;
+    }
     let b = texel_color(image, texel + vec2i(1, 0), size, reading);
     let c = texel_color(image, texel + vec2i(0, 1), size, reading);
     let d = texel_color(image, texel + vec2i(1, 1), size, reading);

@@ -5,12 +5,12 @@ use std::collections::HashMap;
 use wgpu::TextureFormat;
 
 use super::super::GpuError;
-use super::super::bindings::{BindKind, SampleKind};
 use super::super::groups::{PassGroup, place_of};
 use super::super::materials::{FEATURE_FLAGS, MASKED, SURFACE_FUNCTION, features};
 use super::super::meshes::GpuMesh;
-use super::super::pipelines::{Culling, VertexInput, Wanted};
+use super::super::pipelines::{Culling, Wanted};
 use super::attachments::{binding_view, color_attachment, color_views, depth_attachment};
+use super::surface::{Surface, draw_kinds};
 use super::{Executor, GpuSlot};
 use crate::plan::{
     Antialias, Binding, BlendState, CompareFunction, Draw, FactorAt, FramePlan, Geometry, Pass, Shader,
@@ -20,8 +20,8 @@ use crate::scene::{Instance, Material, Posed};
 
 /// The flags of surface_shade for what a draw reads, by binding number (the depth of samples is number 3, weights of
 /// shadows number 7), and at numbers that no binding has: whether a visibility has one channel, whether any light has
-/// smooth terminators, whether any factor holds own shadows, whether there is one factor only.
-const READ_FLAGS: [&str; 9] = [
+/// smooth terminators, whether any factor holds own shadows, whether there is one factor only, whether a layer is drawn.
+const READ_FLAGS: [&str; 10] = [
     "COUNTS",
     "MASK",
     "VISIBILITY",
@@ -31,7 +31,11 @@ const READ_FLAGS: [&str; 9] = [
     "OWN_SHADOW",
     "TINTED",
     "ONE_FACTOR",
+    "LAYER",
 ];
+
+/// The binding number of counts where a layer is drawn; those of mask, visibility and weights follow at their distance.
+const LAYER_COUNTS: u32 = 5;
 
 /// Those of [`READ_FLAGS`] that say where factors are.
 const FACTOR_FLAGS: u32 = 0b111;
@@ -305,12 +309,18 @@ impl Executor {
             SurfaceStyle::Depth => ("surface_depth", None),
             SurfaceStyle::Opaque => ("surface_shade", Some("opaque")),
             SurfaceStyle::Blended => ("surface_shade", Some("blended")),
+            SurfaceStyle::Tint => ("surface_shade", Some("shine_through")),
+            SurfaceStyle::Layer => ("surface_shade", Some("shaded_layer")),
+            SurfaceStyle::LayerTint => ("surface_shade", Some("shine_through_layer")),
             SurfaceStyle::Pulled | SurfaceStyle::PulledMasked => return None,
         };
         // Depth has nothing to reflect.
         let function = material.surface.as_ref().filter(|_| style != SurfaceStyle::Depth);
         features |= u32::from(function.is_some()) << SURFACE_FUNCTION;
         let mut read: u32 = draw.bindings.iter().map(|(number, _)| 1 << number).sum();
+        if style.is_pulled() {
+            read = read >> LAYER_COUNTS | 1 << 9;
+        }
         if let [light] = &scene.plan.lights[..] {
             // Where one light's factor is, is known now: the shader need not ask.
             let flags = light.factors().fold(0, |flags, part| flags | factor_flag(part.at));
@@ -390,62 +400,4 @@ impl Executor {
         groups.insert(key, group.clone());
         group
     }
-}
-
-/// What kind of geometry a pipeline is for.
-#[derive(Clone, Copy)]
-enum Surface {
-    Mesh { style: SurfaceStyle, masked: bool, culling: Culling },
-    Technique { indexed: bool },
-}
-
-impl Surface {
-    fn has_material(self) -> bool {
-        match self {
-            Self::Mesh { style: SurfaceStyle::Opaque | SurfaceStyle::Blended, .. } => true,
-            Self::Mesh { style: SurfaceStyle::PulledMasked, .. } => true,
-            Self::Mesh { style: SurfaceStyle::Depth, masked, .. } => masked,
-            Self::Mesh { style: SurfaceStyle::Pulled, .. } | Self::Technique { .. } => false,
-        }
-    }
-
-    /// How many bindings of group 1 its geometry brings: positions, indices, attributes.
-    fn own_bindings(self) -> u32 {
-        match self {
-            Self::Mesh { style: SurfaceStyle::PulledMasked, .. } => 3,
-            Self::Mesh { style: SurfaceStyle::Pulled, .. } => 2,
-            Self::Technique { indexed: true } => 1,
-            _ => 0,
-        }
-    }
-
-    fn input(self) -> VertexInput {
-        match self {
-            Self::Technique { .. } => VertexInput::None,
-            Self::Mesh { style, .. } if style.is_pulled() => VertexInput::None,
-            Self::Mesh { style: SurfaceStyle::Depth, masked: false, .. } => VertexInput::Positions,
-            Self::Mesh { .. } => VertexInput::All,
-        }
-    }
-}
-
-/// The layout of group 1.
-fn draw_kinds(scene: &Scene<'_>, draw: &Draw, surface: Surface) -> Vec<(u32, BindKind)> {
-    let mut kinds: Vec<_> = (0..surface.own_bindings()).map(|binding| (binding, BindKind::Storage)).collect();
-    for (number, binding) in &draw.bindings {
-        let sample = SampleKind::of(scene.format(binding.slot()));
-        let multisampled = scene.plan.slot(binding.slot()).samples() > 1;
-        let kind = match binding {
-            Binding::Storage(_) => BindKind::Storage,
-            Binding::Texture(_) => BindKind::Texture { sample, array: false, multisampled },
-            Binding::TextureArray(_) | Binding::TextureLayer(..) => {
-                BindKind::Texture { sample, array: true, multisampled }
-            }
-            Binding::StencilOf(_) => {
-                BindKind::Texture { sample: SampleKind::Uint, array: false, multisampled }
-            }
-        };
-        kinds.push((*number, kind));
-    }
-    kinds
 }

@@ -1,0 +1,67 @@
+//! What kind of geometry a pipeline is for, and the bindings it brings.
+
+use super::super::bindings::{BindKind, SampleKind};
+use super::super::pipelines::{Culling, VertexInput};
+use super::encode::Scene;
+use crate::plan::{Binding, Draw, SurfaceStyle};
+
+/// The geometry of one draw.
+#[derive(Clone, Copy)]
+pub(super) enum Surface {
+    Mesh { style: SurfaceStyle, masked: bool, culling: Culling },
+    Technique { indexed: bool },
+}
+
+impl Surface {
+    /// Whether its shader reads a material.
+    pub(super) fn has_material(self) -> bool {
+        match self {
+            Self::Mesh { style: SurfaceStyle::Opaque | SurfaceStyle::Blended, .. } => true,
+            Self::Mesh { style: SurfaceStyle::Tint | SurfaceStyle::PulledMasked, .. } => true,
+            Self::Mesh { style: SurfaceStyle::Layer | SurfaceStyle::LayerTint, .. } => true,
+            Self::Mesh { style: SurfaceStyle::Depth, masked, .. } => masked,
+            Self::Mesh { style: SurfaceStyle::Pulled, .. } | Self::Technique { .. } => false,
+        }
+    }
+
+    /// How many bindings of group 1 its geometry brings: positions, indices, attributes.
+    pub(super) fn own_bindings(self) -> u32 {
+        match self {
+            Self::Mesh { style: SurfaceStyle::Pulled, .. } => 2,
+            Self::Mesh { style, .. } if style.is_pulled() => 3,
+            Self::Technique { indexed: true } => 1,
+            _ => 0,
+        }
+    }
+
+    /// The vertex buffers its pipeline reads.
+    pub(super) fn input(self) -> VertexInput {
+        match self {
+            Self::Technique { .. } => VertexInput::None,
+            Self::Mesh { style, .. } if style.is_pulled() => VertexInput::None,
+            Self::Mesh { style: SurfaceStyle::Depth, masked: false, .. } => VertexInput::Positions,
+            Self::Mesh { .. } => VertexInput::All,
+        }
+    }
+}
+
+/// The layout of group 1.
+pub(super) fn draw_kinds(scene: &Scene<'_>, draw: &Draw, surface: Surface) -> Vec<(u32, BindKind)> {
+    let mut kinds: Vec<_> = (0..surface.own_bindings()).map(|binding| (binding, BindKind::Storage)).collect();
+    for (number, binding) in &draw.bindings {
+        let sample = SampleKind::of(scene.format(binding.slot()));
+        let multisampled = scene.plan.slot(binding.slot()).samples() > 1;
+        let kind = match binding {
+            Binding::Storage(_) => BindKind::Storage,
+            Binding::Texture(_) => BindKind::Texture { sample, array: false, multisampled },
+            Binding::TextureArray(_) | Binding::TextureLayer(..) => {
+                BindKind::Texture { sample, array: true, multisampled }
+            }
+            Binding::StencilOf(_) => {
+                BindKind::Texture { sample: SampleKind::Uint, array: false, multisampled }
+            }
+        };
+        kinds.push((*number, kind));
+    }
+    kinds
+}

@@ -1,0 +1,46 @@
+// What becomes of layers: the factor of one light on one of them, and all of them over the opaque picture.
+
+#import common/frame
+#import common/fullscreen
+
+// Instance and triangle of the layer at every pixel.
+@group(1) @binding(0) var triangles: texture_2d<u32>;
+#if COUNTS
+@group(1) @binding(1) var counts: texture_2d<u32>;
+#endif
+#if VISIBILITY
+@group(1) @binding(1) var visibility: texture_2d_array<f32>;
+#endif
+
+// The picture of what is opaque, what of it passes all layers, and the layers' own light.
+@group(1) @binding(2) var behind: texture_2d<f32>;
+@group(1) @binding(3) var passed: texture_2d<f32>;
+@group(1) @binding(4) var light_of_layers: texture_2d<f32>;
+
+// The factor on this layer: 1 lit, 0 dark; 1 where there is none.
+@fragment
+fn factor(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let pixel = vec2u(position.xy);
+    let seen = textureLoad(triangles, pixel, 0).x;
+    if seen == 0xffffffffu || (instances[seen].flags & 1u) == 0u {
+        return vec4f(1.0);
+    }
+    var result = vec3f(1.0);
+#if COUNTS
+    if textureLoad(counts, pixel, 0).x != 0u {
+        result = vec3f(0.0);
+    }
+#endif
+#if VISIBILITY
+    result = textureLoad(visibility, pixel, 0, 0).rgb;
+#endif
+    return vec4f(result, 1.0);
+}
+
+@fragment
+fn over(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let pixel = vec2u(position.xy);
+    let picture = textureLoad(behind, pixel, 0);
+    let color = picture.rgb * textureLoad(passed, pixel, 0).rgb + textureLoad(light_of_layers, pixel, 0).rgb;
+    return vec4f(color, picture.a);
+}

@@ -1,0 +1,418 @@
+//! Transparent surfaces that shadows fall on: layer by layer, in the order of every pixel.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod common;
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
+use shadowgraph::cases::{self, Case};
+use shadowgraph::engine::geometry::shapes::{icosphere, plane, quad};
+use shadowgraph::engine::manager::{Adapter, FrameError};
+use shadowgraph::engine::plan::{FramePlan, SlotKind};
+use shadowgraph::engine::scene::{AlphaMode, Instance, ParamValue, Params};
+use shadowgraph::engine::shadow::{
+    Cache, Catalog, Layers, LightPlan, ShadowError, ShadowTechnique, TechniqueEntry,
+};
+use shadowgraph::measure::{
+    ErrorTable, LayerEvaluation, Reference, ReferenceShadow, evaluate, evaluate_layers,
+};
+use shadowgraph::nodes::ShadowVolumeHard;
+use shadowgraph::prelude::*;
+
+/// Hard shadows of what is opaque, on layers too.
+#[derive(Debug)]
+struct HardOnLayers(ShadowVolumeHard, Layers);
+
+impl ShadowTechnique for HardOnLayers {
+    fn type_name(&self) -> &'static str {
+        "HardOnLayers"
+    }
+
+    fn params(&self) -> Params {
+        self.0.params()
+    }
+
+    fn known_error(&self) -> &'static str {
+        self.0.known_error()
+    }
+
+    fn receiver_layers(&self) -> Layers {
+        self.1
+    }
+
+    fn casts(&self, instance: &Instance) -> Result<bool, String> {
+        self.0.casts(instance)
+    }
+
+    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+        self.0.plan(light)
+    }
+}
+
+fn catalog() -> Catalog {
+    let mut catalog = shadowgraph_nodes::catalog();
+    catalog.register(ReferenceShadow::ENTRY);
+    let entry = TechniqueEntry {
+        type_name: "HardOnLayers",
+        short_name: "on-all",
+        summary: "a test",
+        settings: &[],
+        from_params: |_| Ok(Arc::new(HardOnLayers(ShadowVolumeHard::default(), Layers::All))),
+    };
+    catalog.register(entry);
+    catalog.register(TechniqueEntry {
+        type_name: "HardOnFirst",
+        short_name: "on-first",
+        from_params: |_| Ok(Arc::new(HardOnLayers(ShadowVolumeHard::default(), Layers::First))),
+        ..entry
+    });
+    catalog
+}
+
+fn renderer() -> Option<Renderer> {
+    Some(Renderer::new(common::renderer()?.gpu().clone(), catalog()))
+}
+
+fn blended(color: Vec3, alpha: f32) -> Material {
+    Material { base_color: color.extend(alpha), alpha_mode: AlphaMode::Blend, ..Material::default() }
+}
+
+/// A pane whose height over the floor is 1.5 m and rises by `slope` for every metre along x.
+fn pane(slope: f32) -> MeshData {
+    let at = |x: f32, z: f32| Vec3::new(x, 1.5 + slope * x, z);
+    quad([at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0), at(-1.0, -1.0)]).named("pane")
+}
+
+/// A floor, `panes`, and a lamp whose shadow node is `node`.
+fn panes_over_floor(panes: &[(MeshData, Material)], floor: Material, node: &str) -> Scene {
+    let mut scene = Scene::new();
+    scene.set_background(Vec3::ZERO);
+    scene.add_mesh(common::mesh(plane(Vec2::splat(3.0)).named("floor")), floor, DAffine3::IDENTITY);
+    for (data, material) in panes {
+        scene.add_mesh(common::mesh(data.clone()), material.clone(), DAffine3::IDENTITY);
+    }
+    scene.add_light(Light::point("lamp", 60.0), DVec3::new(0.3, 5.0, 0.2), DVec3::ZERO);
+    scene.add_shadow("shadows", ShadowNode::new(node));
+    scene
+}
+
+fn from_above(size_px: [u32; 2]) -> FrameRequest {
+    // x runs to the right.
+    let eye = DVec3::new(0.0, 6.0, 0.4);
+    let camera = PosedCamera::looking(Camera::perspective("eye", 0.6), eye, DVec3::ZERO);
+    FrameRequest::new(camera, size_px)
+}
+
+fn linear(renderer: &mut Renderer, scene: &Scene, request: &FrameRequest) -> Vec<f32> {
+    let request = FrameRequest { picture: PictureFormat::LinearF32, ..request.clone() };
+    let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
+    renderer.render(scene, &request, &options).unwrap().picture.unwrap().floats().unwrap()
+}
+
+#[test]
+fn panes_that_pass_through_one_another_are_in_order_at_every_pixel() {
+    let Some(mut renderer) = renderer() else { return };
+    let unlit = |color: Vec3, alpha: f32| Material { unlit: true, ..blended(color, alpha) };
+    let (red, green, floor) = (Vec3::new(1.0, 0.0, 0.1), Vec3::new(0.0, 0.8, 0.1), Vec3::splat(0.5));
+    let matt = Material { unlit: true, ..Material::matt("floor", floor) };
+    let panes = [(pane(0.3), unlit(red, 0.75)), (pane(-0.3), unlit(green, 0.5))];
+    let mut checked = [0, 0];
+    for swapped in [false, true] {
+        let mut panes = panes.clone();
+        if swapped {
+            panes.reverse();
+        }
+        let mut scene = panes_over_floor(&panes, matt.clone(), "HardOnLayers");
+        // Something for the light to fall on, aside.
+        common::add_box(&mut scene, "crate", common::at(-2.2, 0.5, -1.3));
+        let request = from_above([200, 160]);
+        let picture = linear(&mut renderer, &scene, &request);
+        let plan = renderer.plan(&scene, &request).unwrap();
+        // One more at most, for pixels next to the diagonals.
+        assert!((2..=4).contains(&plan.layers), "{plan}");
+        let over = |front: (Vec3, f32), behind: Vec3| front.0 * front.1 + behind * (1.0 - front.1);
+        let red_above = over((red, 0.75), over((green, 0.5), floor));
+        let green_above = over((green, 0.5), over((red, 0.75), floor));
+        for (pixel, texel) in picture.chunks_exact(4).enumerate() {
+            let (x, y) = (pixel % 200, pixel / 200);
+            // Well inside both panes; their common line is at x = 0, near the middle of the picture.
+            if !(40..120).contains(&y) || !(60..92).contains(&x) && !(108..140).contains(&x) {
+                continue;
+            }
+            let right = x > 100;
+            let expected = if right { red_above } else { green_above };
+            let color = Vec3::from_slice(texel);
+            assert!((color - expected).abs().max_element() < 2e-3, "({x}, {y}): {color}, not {expected}");
+            checked[usize::from(right)] += 1;
+        }
+    }
+    assert!(checked.iter().all(|count| *count > 4000), "{checked:?}");
+}
+
+#[test]
+fn single_panes_look_as_they_do_without_layers() {
+    let Some(mut renderer) = renderer() else { return };
+    let glass = Material {
+        base_color: Vec4::new(0.9, 0.3, 0.2, 1.0),
+        transmission: 0.8,
+        roughness: 0.3,
+        ..Material::default()
+    };
+    let panes = [
+        blended(Vec3::new(0.9, 0.3, 0.2), 0.6),
+        glass.clone(),
+        Material { alpha_mode: AlphaMode::Blend, base_color: Vec4::new(0.9, 0.3, 0.2, 0.5), ..glass },
+    ];
+    for pane_material in panes {
+        let pane = [(pane(0.2), pane_material)];
+        // The hard technique leaves glass alone and casts nothing here but the floor.
+        let pictures = ["ShadowVolumeHard", "HardOnLayers"].map(|node| {
+            let scene = panes_over_floor(&pane, Material::default(), node);
+            let layers = renderer.plan(&scene, &from_above([120, 96])).unwrap().layers;
+            assert_eq!(layers > 0, node == "HardOnLayers");
+            linear(&mut renderer, &scene, &from_above([120, 96]))
+        });
+        let [sorted, layered] = pictures;
+        let bare = panes_over_floor(&[], Material::default(), "ShadowVolumeHard");
+        let bare = linear(&mut renderer, &bare, &from_above([120, 96]));
+        let differ = |a: &[f32], b: &[f32]| a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 0.02).count();
+        assert!(differ(&sorted, &bare) > 3000);
+        for (sorted, layered) in sorted.iter().zip(&layered) {
+            assert!((sorted - layered).abs() <= 2e-3 * sorted.max(1.0), "{sorted} and {layered}");
+        }
+    }
+}
+
+/// Every layer that the view has, judged.
+fn judged(renderer: &mut Renderer, scene: &Scene, request: &FrameRequest) -> Vec<LayerEvaluation> {
+    let layers = renderer.plan(scene, request).unwrap().layers;
+    assert!(layers > 0);
+    assert_eq!(surfaces_on(scene, request, layers), 0, "a surface is left behind the last layer");
+    evaluate_layers(renderer, scene, request, 0..layers, &|_, _| {}).unwrap()
+}
+
+/// The pixels at which the reference sees a surface on this layer.
+fn surfaces_on(scene: &Scene, request: &FrameRequest, layer: u32) -> usize {
+    let FrameRequest { camera, size_px, antialias, .. } = request;
+    let reference = Reference::new(&scene.pose().unwrap());
+    let images = reference.render_layers(camera, *size_px, *antialias, &[], layer..layer + 1, &|_, _| {});
+    images[0].hits.iter().flatten().count()
+}
+
+fn glass_case(name: &str) -> Case {
+    let cases = cases::all().into_iter().flat_map(|entry| entry.build());
+    cases.into_iter().find(|case| case.name() == name).unwrap_or_else(|| panic!("no case '{name}'"))
+}
+
+fn scene_of(case: &Case, technique: &str, options: &[(&str, &str)]) -> Scene {
+    let entry = *catalog().find(technique).unwrap();
+    let params = options.iter().map(|(name, value)| ((*name).into(), ParamValue::Text((*value).into())));
+    case.scene_with(&entry, &params.collect()).unwrap()
+}
+
+fn check(name: &str, evaluations: &[LayerEvaluation]) -> usize {
+    let mut compared = 0;
+    for evaluation in evaluations {
+        for error in &evaluation.errors {
+            let table = ErrorTable(std::slice::from_ref(error)).to_string();
+            // A layer may be empty, the number being a bound, or have only surfaces in the light's own direction.
+            let nothing = error.compared == 0 && error.different_triangle == 0;
+            assert!(error.passes() || nothing, "{name}, layer {}:\n{table}", evaluation.layer);
+            let seen = evaluation.measured.ids.iter().filter(|id| id[0] != u32::MAX).count();
+            assert!(seen.abs_diff(error.hit_pixels) <= 64, "{name}: {seen} of {} pixels", error.hit_pixels);
+            compared += error.compared;
+        }
+    }
+    compared
+}
+
+#[test]
+fn factors_on_layers_are_those_of_the_reference() {
+    let Some(mut renderer) = renderer() else { return };
+    for name in ["opaque-behind-glass/box-above", "tinted-bottle", "glass-self/shell", "panes-intersecting"] {
+        let case = glass_case(name);
+        let scene = scene_of(&case, "HardOnLayers", &[]);
+        let layers = judged(&mut renderer, &scene, &case.request());
+        let compared = check(name, &layers);
+        assert!(compared > 500, "{name}: {compared}");
+        if name.starts_with("opaque") {
+            assert!(layers[0].errors[0].shadow_pixels > 20, "{}", ErrorTable(&layers[0].errors));
+        }
+    }
+}
+
+#[test]
+fn coloured_factors_on_layers_are_those_of_the_reference() {
+    let Some(mut renderer) = renderer() else { return };
+    for name in ["glass-self/shell", "panes-intersecting", "stained-glass/window", "count-figure"] {
+        let case = glass_case(name);
+        let scene = scene_of(&case, "Reference", &[("selfShadow", "full")]);
+        let layers = judged(&mut renderer, &scene, &case.request());
+        let compared = check(name, &layers);
+        assert!(compared > 500, "{name}: {compared}");
+        // Light that has passed one pane falls on another.
+        let shadow: usize = layers.iter().map(|layer| layer.errors[0].shadow_pixels).sum();
+        assert!(shadow > 500 || name.starts_with("stained"), "{name}: {shadow}");
+        let opaque = evaluate(&mut renderer, &scene, &case.request(), &|_, _| {}).unwrap();
+        assert!(opaque.errors[0].passes(), "{name}:\n{}", ErrorTable(&opaque.errors));
+    }
+}
+
+#[test]
+fn two_surfaces_at_one_depth_are_two_layers() {
+    let Some(mut renderer) = renderer() else { return };
+    let twice = |color| (pane(0.0), blended(color, 0.5));
+    let panes = [twice(Vec3::X), twice(Vec3::Y)];
+    let scene = panes_over_floor(&panes, Material::default(), "HardOnLayers");
+    let layers = judged(&mut renderer, &scene, &from_above([120, 96]));
+    assert!(check("twice", &layers) > 2000);
+    let instances = |layer: &LayerEvaluation| {
+        let mut seen: Vec<u32> =
+            layer.measured.ids.iter().map(|id| id[0]).filter(|id| *id != u32::MAX).collect();
+        seen.sort_unstable();
+        seen.dedup();
+        seen
+    };
+    // The first drawn is the nearer.
+    assert_eq!(instances(&layers[0]), [1]);
+    assert_eq!(instances(&layers[1]), [2]);
+}
+
+#[test]
+fn only_the_nearest_layer_is_shadowed_when_that_is_asked_for() {
+    let Some(mut renderer) = renderer() else { return };
+    let panes = [(pane(0.0).moved(Vec3::Y), blended(Vec3::X, 0.3)), (pane(0.0), blended(Vec3::Y, 0.3))];
+    let picture = |renderer: &mut Renderer, node: &str| {
+        let mut scene = panes_over_floor(&panes, Material::default(), node);
+        common::add_box(&mut scene, "crate", common::at(0.9, 3.6, 0.0));
+        let request = from_above([120, 96]);
+        let passes = |plan: &FramePlan| plan.passes_named("volumes of lamp").count();
+        let plan = renderer.plan(&scene, &request).unwrap();
+        (linear(renderer, &scene, &request), plan.layers, passes(&plan))
+    };
+    let (all, layers, of_all) = picture(&mut renderer, "HardOnLayers");
+    let (first, same, of_first) = picture(&mut renderer, "HardOnFirst");
+    assert_eq!(layers, same);
+    // The opaque surfaces', and those of layers.
+    assert_eq!((of_all, of_first), (1 + layers as usize, 2));
+    let brighter = first.iter().zip(&all).filter(|(first, all)| *first > &(*all + 0.01)).count();
+    let darker = first.iter().zip(&all).filter(|(first, all)| *first < &(*all - 0.01)).count();
+    assert!(brighter > 100 && darker == 0, "{brighter} brighter, {darker} darker");
+}
+
+fn plan_of(scene: &Scene, request: &FrameRequest) -> Result<FramePlan, FrameError> {
+    common::try_plan_with(scene, request, &catalog(), &Adapter::imagined(), &mut Cache::new())
+}
+
+#[test]
+fn layers_are_in_the_plan_only_where_they_are_needed() {
+    let glass = [(pane(0.0), blended(Vec3::X, 0.3))];
+    let request = from_above([120, 96]);
+    let names = |plan: &FramePlan| {
+        let passes = plan.passes.iter().map(|pass| pass.name.clone());
+        passes.chain(plan.slots.iter().map(|slot| slot.name.clone())).collect::<Vec<_>>().join("\n")
+    };
+    let none = |scene: &Scene, request: &FrameRequest| {
+        let plan = plan_of(scene, request).unwrap();
+        assert!(plan.layers == 0 && !names(&plan).contains("layer"), "{plan}");
+    };
+    // No technique asks; nothing transparent; nothing transparent in view; the lamp reaches nothing.
+    none(&panes_over_floor(&glass, Material::default(), "ShadowVolumeHard"), &request);
+    none(&panes_over_floor(&[], Material::default(), "HardOnLayers"), &request);
+    let away = [(pane(0.0).moved(Vec3::X * 50.0), blended(Vec3::X, 0.3))];
+    none(&panes_over_floor(&away, Material::default(), "HardOnLayers"), &request);
+    let behind = [(pane(0.0).moved(Vec3::Y * 9.0), blended(Vec3::X, 0.3))];
+    none(&panes_over_floor(&behind, Material::default(), "HardOnLayers"), &request);
+
+    let scene = panes_over_floor(&glass, Material::default(), "HardOnLayers");
+    let plan = plan_of(&scene, &request).unwrap();
+    assert!((1..=2).contains(&plan.layers), "{plan}");
+    assert!(plan.layer_triangles.is_empty() && !names(&plan).contains("factor of"), "{plan}");
+    // What is asked for is kept, whatever else there is.
+    let request = FrameRequest { factors: true, layer_factors: 0..9, ..request };
+    let with_factors = plan_of(&scene, &request).unwrap();
+    assert_eq!(with_factors.layer_triangles.len(), plan.layers as usize);
+    assert_eq!(with_factors.lights[0].layer_factor_images.len(), plan.layers as usize);
+}
+
+#[test]
+fn memory_does_not_grow_with_layers() {
+    let bytes = |count: usize| {
+        let panes: Vec<_> =
+            (0..count).map(|i| (pane(0.0).moved(Vec3::Y * 0.01 * i as f32), blended(Vec3::X, 0.3))).collect();
+        let scene = panes_over_floor(&panes, Material::default(), "HardOnLayers");
+        let plan = plan_of(&scene, &from_above([120, 96])).unwrap();
+        assert!(plan.layers as usize >= count, "{count}: {}", plan.layers);
+        let textures = plan.slots.iter().filter(|slot| matches!(slot.kind, SlotKind::Texture { .. }));
+        textures.map(|slot| slot.bytes()).sum::<u64>()
+    };
+    assert_eq!(bytes(3), bytes(40));
+}
+
+#[test]
+fn what_layers_cannot_do_is_refused_by_name() {
+    let glass = [(pane(0.0), blended(Vec3::X, 0.3))];
+    let scene = panes_over_floor(&glass, Material::default(), "HardOnLayers");
+    let sampled = FrameRequest { antialias: Antialias::Multisample4, ..from_above([120, 96]) };
+    let error = plan_of(&scene, &sampled).unwrap_err().to_string();
+    assert!(error.contains("'shadows' (HardOnLayers)") && error.contains("ssaa4"), "{error}");
+    let twice = FrameRequest { antialias: Antialias::Supersample4, ..from_above([120, 96]) };
+    assert!(plan_of(&scene, &twice).unwrap().layers > 0);
+    let many = MeshData::merged("many", (0..1100).map(|i| pane(0.0).moved(Vec3::Y * 0.001 * i as f32)));
+    let scene = panes_over_floor(&[(many, blended(Vec3::X, 0.01))], Material::default(), "HardOnLayers");
+    let error = plan_of(&scene, &from_above([120, 96])).unwrap_err().to_string();
+    assert!(error.contains("'shadows'") && error.contains("the limit is 1024"), "{error}");
+}
+
+/// Triangles of all sizes and directions around the eye, before and behind it.
+fn soup(seed: u32, count: usize) -> MeshData {
+    let mut state = seed;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / (1 << 24) as f32 * 2.0 - 1.0
+    };
+    let mut positions = Vec::new();
+    for _ in 0..count {
+        let middle = Vec3::new(random() * 2.0, 3.0 + random() * 4.0, random() * 2.0);
+        let size = 0.05 + random().abs() * 2.0;
+        positions.extend((0..3).map(|_| middle + Vec3::new(random(), random(), random()) * size));
+    }
+    let indices = (0..positions.len() as u32).collect();
+    MeshData { name: "soup".into(), positions, indices, ..MeshData::default() }
+}
+
+#[test]
+fn no_pixel_has_more_layers_than_were_counted() {
+    for seed in 0..12 {
+        let double_sided = seed % 2 == 0;
+        let material = Material { double_sided, ..blended(Vec3::X, 0.3) };
+        // Now and then under a mirroring transform. Of so many, four turn towards the eye somewhere.
+        let mut scene = panes_over_floor(&[], Material::default(), "HardOnLayers");
+        let mirrored = DAffine3::from_scale(DVec3::new(if seed % 3 == 0 { -1.0 } else { 1.0 }, 1.0, 1.0));
+        scene.add_mesh(common::mesh(soup(seed, 150)), material, mirrored);
+        let request = from_above([96, 64]);
+        let layers = plan_of(&scene, &request).unwrap().layers;
+        assert!(layers > 3, "{layers}");
+        assert_eq!(surfaces_on(&scene, &request, layers), 0, "seed {seed}: more than {layers} layers");
+        // What the floor hides and what lies next to edges is counted too; but little of it is there.
+        assert!(surfaces_on(&scene, &request, layers - 3) > 0, "seed {seed}: {layers} layers are too many");
+    }
+}
+
+#[test]
+fn balls_have_as_many_layers_as_they_have_sides() {
+    let ball = |y: f32| (icosphere(0.8, 3).moved(Vec3::Y * y).named("ball"), blended(Vec3::X, 0.3));
+    let scene = panes_over_floor(&[ball(1.0), ball(3.0)], Material::default(), "HardOnLayers");
+    let layers = plan_of(&scene, &from_above([320, 240])).unwrap().layers;
+    // Two sides each; and what lies next to edges and corners may count twice.
+    assert!((4..=7).contains(&layers), "{layers}");
+    let single = |y: f32| {
+        let (data, material) = ball(y);
+        (data, Material { double_sided: false, ..material })
+    };
+    let scene = panes_over_floor(&[single(1.0), single(3.0)], Material::default(), "HardOnLayers");
+    let layers = plan_of(&scene, &from_above([320, 240])).unwrap().layers;
+    assert!((2..=4).contains(&layers), "{layers}");
+}
