@@ -186,7 +186,7 @@ impl Assembly<'_> {
             let mut read = vec![];
             if shadowed {
                 read = self.factors_read(mask, lights);
-                read.extend(tints.clone());
+                read.extend(tints);
             }
             self.shade_layer(triangles, (passed, light), read);
             for pass in &mut self.b.passes[first_pass..] {
