@@ -212,6 +212,7 @@ fn complaint_about(
 }
 
 /// Writes the error maps of a trial into the folder `DUMP`, where it is set, for looking at.
+#[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 pub(crate) fn dump(trial: &Trial) {
     let (Some(evaluation), Some(folder)) = (&trial.evaluation, std::env::var_os("DUMP")) else { return };
     let folder = std::path::Path::new(&folder);
