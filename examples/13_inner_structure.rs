@@ -25,13 +25,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let place = |y: f64, turn: f64, size: DVec3| {
         placed(DVec3::new(0.0, y, 0.0), DQuat::from_rotation_y(turn) * DQuat::from_rotation_x(0.5), size)
     };
-    let shell = glass("shell", Vec3::new(0.75, 0.9, 1.0), 0.12);
+    let shell = glass("shell", Vec3::new(0.86, 0.95, 1.0), 0.08);
     let egg = placed(DVec3::Y * 1.75, DQuat::IDENTITY, DVec3::new(1.0, 1.3, 1.0));
     scene.add_mesh(Mesh::new(shapes::icosphere(1.2, 5))?, shell, egg);
-    let outer = glass("outer knot", Vec3::new(1.0, 0.55, 0.25), 0.2);
+    let outer = glass("outer knot", Vec3::new(1.0, 0.84, 0.62), 0.12);
     let knot = shapes::torus_knot([2, 3], 0.62, 0.1, [320, 20]);
     scene.add_mesh(Mesh::new(knot)?, outer, place(1.75, 0.4, DVec3::ONE));
-    let inner = glass("inner knot", Vec3::new(0.35, 0.8, 0.45), 0.2);
+    let inner = glass("inner knot", Vec3::new(0.68, 0.97, 0.8), 0.12);
     let knot = shapes::torus_knot([3, 4], 0.34, 0.06, [320, 16]);
     scene.add_mesh(Mesh::new(knot)?, inner, place(1.75, -0.3, DVec3::ONE));
     // Opaque casters of the node cast black, through the glass around them too.

@@ -20,10 +20,10 @@ use shadowgraph::measure::timing::{Pace, Runner, Spread, take_turns};
 use shadowgraph::measure::{Converged, KnownReferences, LightError, evaluate_again, evaluate_converged};
 use shadowgraph::prelude::*;
 
-const SIZE_PX: [u32; 2] = [1280, 720];
+const SIZE_PX: [u32; 2] = [640, 360];
 /// Where factors are compared: each pixel with so many samples of five lights.
-const JUDGED_PX: [u32; 2] = [320, 180];
-const PACE: Pace = Pace { min_rounds: 5, max_rounds: 15, budget: Duration::from_secs(40) };
+const JUDGED_PX: [u32; 2] = [160, 90];
+const PACE: Pace = Pace { min_rounds: 3, max_rounds: 9, budget: Duration::from_secs(20) };
 
 /// The room with soft shadows of this quality; `None` leaves the hard ones.
 fn room(quality: Option<Quality>) -> Result<Scene, Box<dyn Error>> {
@@ -46,14 +46,13 @@ fn room(quality: Option<Quality>) -> Result<Scene, Box<dyn Error>> {
     Ok(scene)
 }
 
-/// The picture, averaged down to a quarter of `SIZE_PX`.
+/// The picture.
 fn picture(runner: &mut Runner) -> Result<RgbaImage, Box<dyn Error>> {
     let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
     let frame = runner.renderer.render(&runner.scene, &runner.request, &options)?;
     let bytes = frame.picture.ok_or("the frame has no picture")?.bytes;
     let [width, height] = SIZE_PX;
-    let large = RgbaImage::from_raw(width, height, bytes).ok_or("the picture is cut short")?;
-    Ok(imageops::resize(&large, width / 2, height / 2, imageops::FilterType::Triangle))
+    Ok(RgbaImage::from_raw(width, height, bytes).ok_or("the picture is cut short")?)
 }
 
 /// The error in the penumbrae, over all lights, against the whole light.
@@ -90,10 +89,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         runners.push(Runner { renderer: common::renderer(shadowgraph_nodes::catalog())?, scene, request });
     }
     let [width, height] = SIZE_PX;
-    let mut all = RgbaImage::new(width, height);
+    let mut all = RgbaImage::new(width * 2, height * 2);
     for (place, runner) in runners.iter_mut().enumerate() {
         let (column, row) = (place as u32 % 2, place as u32 / 2);
-        let (x, y) = (column * width / 2, row * height / 2);
+        let (x, y) = (column * width, row * height);
         imageops::replace(&mut all, &picture(runner)?, x.into(), y.into());
     }
     let path = common::out_dir()?.join("16_soft_beside_hard.png");

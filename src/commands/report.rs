@@ -25,7 +25,7 @@ pub(crate) struct ReportArgs {
     /// Where the report goes: index.html, report.csv, report.json, plots/ and pictures/.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Smaller frames and fewer sizes: under two minutes on two cores with the software driver.
+    /// Smaller frames, fewer sizes, and on the own scenes defaults only: under two minutes on two cores with the software driver.
     #[arg(long, conflicts_with = "full")]
     quick: bool,
     /// Every setting everywhere, 4K and the largest sizes.
@@ -65,7 +65,10 @@ impl ReportArgs {
         let has = |part| self.parts.contains(&part);
         let parts =
             Parts { scenes: has(Part::Scenes), scaling: has(Part::Scaling), sweeps: has(Part::Sweeps) };
-        Effort { parts, size_px: self.size.map_or(effort.size_px, |size| size.0), ..effort }
+        // Ten scenes with every setting would not be quick.
+        let scene_settings = !(self.quick && self.scenes.is_empty());
+        let size_px = self.size.map_or(effort.size_px, |size| size.0);
+        Effort { parts, size_px, scene_settings, ..effort }
     }
 
     fn scenes(&self) -> Vec<ReportScene> {

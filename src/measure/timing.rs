@@ -55,6 +55,9 @@ pub struct PassTimes {
     pub pass_ms: Vec<Option<Spread>>,
 }
 
+/// Rounds that are counted even of what is slow.
+const SLOW_ROUNDS: usize = 2;
+
 /// Frames rendered before any is counted.
 const WARM_UP_FRAMES: usize = 3;
 
@@ -76,10 +79,12 @@ pub fn time_frames(
             wall_ms.push(milliseconds(start.elapsed()));
         }
     }
-    Ok(Timed { wall_ms: Spread::of(wall_ms), passes: time_passes(renderer, scene, request, frames)? })
+    let passes = time_passes(renderer, scene, request, frames, Duration::MAX)?;
+    Ok(Timed { wall_ms: Spread::of(wall_ms), passes })
 }
 
-/// Times `frames` frames with every pass apart, after one that is not counted.
+/// Times `frames` frames with every pass apart, after one that is not counted; fewer when these take longer than `budget`,
+/// but one.
 ///
 /// # Errors
 /// As [`Renderer::render`].
@@ -88,10 +93,15 @@ pub fn time_passes(
     scene: &Scene,
     request: &FrameRequest,
     frames: usize,
+    budget: Duration,
 ) -> Result<PassTimes, RenderError> {
+    let start = Instant::now();
     let options = RenderOptions { timing: Timing::Passes, ..RenderOptions::default() };
     let (mut gpu_ms, mut pass_ms): (Vec<f64>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
     for frame in 0..frames + 1 {
+        if frame > 1 && start.elapsed() >= budget {
+            break;
+        }
         let rendered = renderer.render(scene, request, &options)?;
         pass_ms.resize(rendered.plan.passes.len(), Vec::new());
         if frame > 0 && rendered.gpu_ms.is_some() {
@@ -109,7 +119,8 @@ pub fn time_passes(
     Ok(PassTimes { frame_ms, pass_ms })
 }
 
-/// How long scenes are timed in turn: until both the rounds and the time are enough, or the rounds are more than that.
+/// How long scenes are timed in turn: until both the rounds and the time are enough, or the rounds are more than that. What
+/// takes longer than that by itself is counted twice and no more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pace {
     /// Rounds that are counted at least.
@@ -141,17 +152,21 @@ impl Runner {
 }
 
 /// Renders one frame of every runner, round after round, and returns each runner's times in milliseconds: element `i`
-/// of each belongs to the same round. Every second round goes backwards, so that none always follows the same other.
+/// of each belongs to the same round; slow ones have fewer. Every second round goes backwards, so that none always follows the same other.
 ///
 /// # Errors
 /// As [`Renderer::render`].
 pub fn take_turns(runners: &mut [Runner], pace: &Pace) -> Result<Vec<Vec<f64>>, RenderError> {
     let mut times_ms = vec![Vec::new(); runners.len()];
     for runner in runners.iter_mut() {
-        for _ in 0..WARM_UP_FRAMES {
-            runner.frame_ms()?;
+        let start = Instant::now();
+        for frame in 0..WARM_UP_FRAMES {
+            if frame == 0 || start.elapsed() < pace.budget / 8 {
+                runner.frame_ms()?;
+            }
         }
     }
+    let budget_ms = milliseconds(pace.budget);
     let start = Instant::now();
     for round in 0..pace.max_rounds {
         if round >= pace.min_rounds && start.elapsed() >= pace.budget {
@@ -162,6 +177,10 @@ pub fn take_turns(runners: &mut [Runner], pace: &Pace) -> Result<Vec<Vec<f64>>, 
             order.reverse();
         }
         for index in order {
+            let is_slow = times_ms[index].iter().sum::<f64>() >= budget_ms;
+            if is_slow && times_ms[index].len() >= SLOW_ROUNDS {
+                continue;
+            }
             times_ms[index].push(runners[index].frame_ms()?);
         }
     }

@@ -92,7 +92,10 @@ fn row(report: &Report, scene: &SceneReport, point: &Point) -> Vec<String> {
         report.size_px[1].to_string(),
         scene.triangles.to_string(),
         scene.lights.to_string(),
-        scene.rounds.to_string(),
+        match &point.outcome {
+            Outcome::Measured(measurement) => measurement.rounds.to_string(),
+            _ => scene.rounds.to_string(),
+        },
     ];
     let plain = &scene.unshadowed_ms;
     row.extend([plain.median, plain.lower, plain.upper].map(number));

@@ -162,6 +162,8 @@ pub struct Measurement {
     pub shadowed_ms: Spread,
     /// Each round's frame divided by that without shadows.
     pub ratio: Spread,
+    /// How many rounds were counted: fewer where it is slow.
+    pub rounds: usize,
     /// Frames on the GPU's clock, passes apart.
     pub gpu_ms: Option<Spread>,
     /// The plan's passes.

@@ -53,6 +53,8 @@ pub struct Effort {
     pub steps: Steps,
     /// Every how many steps of a sweep are taken; its last always is.
     pub sweep_stride: usize,
+    /// Whether scenes try every setting of a technique, or its default only.
+    pub scene_settings: bool,
     /// Whether axes and sweeps try every setting of a technique, or its default only.
     pub all_settings: bool,
 }
@@ -64,14 +66,14 @@ const fn pace(min_rounds: usize, max_rounds: usize, budget_ms: u64) -> Pace {
 }
 
 impl Effort {
-    /// Under two minutes on two cores and the software driver.
+    /// Two minutes or little more on two cores and the software driver, with defaults only.
     pub const QUICK: Self = Self {
         name: "quick",
         parts: ALL_PARTS,
-        size_px: [400, 225],
-        soft_size_px: [240, 135],
-        whole_light_samples: [1024, 256],
-        scene_pace: pace(3, 15, 1_000),
+        size_px: [320, 180],
+        soft_size_px: [160, 90],
+        whole_light_samples: [256, 64],
+        scene_pace: pace(3, 9, 500),
         pass_frames: 2,
         axis_size_px: [320, 180],
         axis_pace: pace(3, 9, 200),
@@ -81,11 +83,12 @@ impl Effort {
             casters: &[1, 8, 32, 128, 256],
             sizes_px: &[[256, 256], [362, 362], [512, 512], [724, 724]],
         },
-        sweep_stride: 5,
+        sweep_stride: 8,
+        scene_settings: true,
         all_settings: false,
     };
 
-    /// Under fifteen minutes on two cores and the software driver.
+    /// Every setting on every scene; with soft shadows in a furnished room that takes the software driver a while.
     pub const DEFAULT: Self = Self {
         name: "default",
         parts: ALL_PARTS,
@@ -103,6 +106,7 @@ impl Effort {
             sizes_px: &[[256, 256], [362, 362], [512, 512], [724, 724], [1024, 1024], [1448, 1448]],
         },
         sweep_stride: 1,
+        scene_settings: true,
         all_settings: false,
     };
 
@@ -133,6 +137,7 @@ impl Effort {
             ],
         },
         sweep_stride: 1,
+        scene_settings: true,
         all_settings: true,
     };
 }

@@ -46,11 +46,11 @@ fn scene_json(scene: &SceneReport) -> Value {
         "unshadowed": spread_json(&scene.unshadowed_ms),
         "reference_ms": scene.reference_ms,
         "no_shadows": scene.none.as_ref().map(totals_json),
-        "points": scene.points.iter().map(|point| point_json(point, scene)).collect::<Vec<_>>(),
+        "points": scene.points.iter().map(point_json).collect::<Vec<_>>(),
     })
 }
 
-fn point_json(point: &Point, scene: &SceneReport) -> Value {
+fn point_json(point: &Point) -> Value {
     let mut entry = Map::new();
     let mut put = |name: &str, value: Value| drop(entry.insert(name.into(), value));
     put("technique", json!(point.technique));
@@ -70,7 +70,7 @@ fn point_json(point: &Point, scene: &SceneReport) -> Value {
         }
         Outcome::Measured(measurement) => {
             put("status", json!("measured"));
-            let Value::Object(measured) = measurement_json(measurement, scene.rounds) else {
+            let Value::Object(measured) = measurement_json(measurement) else {
                 return json!({});
             };
             entry.extend(measured);
@@ -79,7 +79,7 @@ fn point_json(point: &Point, scene: &SceneReport) -> Value {
     Value::Object(entry)
 }
 
-fn measurement_json(measurement: &Measurement, rounds: usize) -> Value {
+fn measurement_json(measurement: &Measurement) -> Value {
     let passes: Vec<Value> = measurement
         .passes
         .iter()
@@ -102,7 +102,7 @@ fn measurement_json(measurement: &Measurement, rounds: usize) -> Value {
         })
         .collect();
     let mut frames = spread_json(&measurement.shadowed_ms);
-    frames["count"] = json!(rounds);
+    frames["count"] = json!(measurement.rounds);
     frames["wall"] = spread_json(&measurement.shadowed_ms);
     frames["gpu"] = measurement.gpu_ms.as_ref().map_or(Value::Null, spread_json);
     let [light, map, reference] = match &measurement.worst {

@@ -61,6 +61,13 @@ impl Bench<'_> {
         self.catalog.entries().iter().flat_map(of).collect()
     }
 
+    /// Those that scenes try.
+    pub(super) fn scene_settings(&self) -> Vec<(TechniqueEntry, Setting)> {
+        let mut settings = self.settings();
+        settings.retain(|(_, setting)| self.effort.scene_settings || setting.name == Setting::DEFAULT.name);
+        settings
+    }
+
     /// Those that axes and sweeps try.
     fn tried_settings(&self) -> Vec<(TechniqueEntry, Setting)> {
         let mut settings = self.settings();

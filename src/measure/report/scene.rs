@@ -61,7 +61,7 @@ pub(super) fn with_technique(scene: &Scene, entry: &TechniqueEntry, setting: &Se
 
 /// How many steps [`measure`] takes.
 pub(super) fn steps(bench: &Bench<'_>) -> usize {
-    1 + bench.settings().len()
+    1 + bench.scene_settings().len()
 }
 
 /// A setting that the techniques accept for the scene, in the making.
@@ -70,6 +70,7 @@ struct Accepted {
     point: usize,
     shadowed_ms: Spread,
     ratio: Spread,
+    rounds: usize,
     passes: PassTimes,
 }
 
@@ -108,7 +109,7 @@ fn fill(
     let runner = |scene| Runner { renderer: bench.renderer(), scene, request: request.clone() };
     let mut runners = vec![runner(without_shadows(given))];
     let mut accepted_points = Vec::new();
-    for (entry, setting) in bench.settings() {
+    for (entry, setting) in bench.scene_settings() {
         let mut runner = runner(with_technique(given, &entry, &setting));
         let outcome = match runner.renderer.plan(&runner.scene, &request) {
             Ok(_) => {
@@ -185,7 +186,14 @@ fn time(
             point,
             shadowed_ms: Spread::of(with_ms.clone()),
             ratio: Spread::of(ratios.collect()),
-            passes: time_passes(renderer, scene, request, bench.effort.pass_frames)?,
+            rounds: with_ms.len(),
+            passes: time_passes(
+                renderer,
+                scene,
+                request,
+                bench.effort.pass_frames,
+                bench.effort.scene_pace.budget,
+            )?,
         });
     }
     Ok(accepted)
@@ -305,6 +313,7 @@ impl Shelf<'_> {
         Ok(Measurement {
             shadowed_ms: accepted.shadowed_ms,
             ratio: accepted.ratio,
+            rounds: accepted.rounds,
             gpu_ms: accepted.passes.frame_ms,
             passes: passes(frame, &accepted.passes),
             gpu_bytes: frame.gpu_bytes,
