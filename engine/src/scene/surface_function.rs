@@ -311,33 +311,38 @@ fn shading_with(flag: &str) -> String {
 /// matter.
 fn reserved() -> &'static HashSet<String> {
     static RESERVED: OnceLock<HashSet<String>> = OnceLock::new();
-    RESERVED.get_or_init(|| ONE_OF.iter().flat_map(|flag| reserved_by(&shading_with(flag))).collect())
+    RESERVED.get_or_init(|| {
+        let (mut reserved, mut free) = (HashSet::new(), HashSet::new());
+        let texts = ONE_OF.map(shading_with);
+        for text in &texts {
+            reserved.extend(names(text).into_iter().map(str::to_owned));
+            free.extend(free_in(text));
+        }
+        // What one of the texts calls a variable of a function is no name of the language in another.
+        reserved.retain(|name| !free.contains(name));
+        // Module-wide names stay, whatever a function calls its own.
+        for text in &texts {
+            reserved.extend(declared(text).into_iter().map(|(_, _, name)| name.to_owned()));
+        }
+        reserved
+    })
 }
 
-/// Those of one composed text.
-fn reserved_by(text: &str) -> HashSet<String> {
-    let mut reserved: HashSet<String> = names(text).into_iter().map(str::to_owned).collect();
+/// Names that one composed text gives to what lies within its functions and structs, and those that are asked for.
+fn free_in(text: &str) -> HashSet<String> {
     let stub = format!("{REFLECTED} {{ return vec3f(); }} {OUTGOING} {OUTGOING_BODY}");
     let module = naga::front::wgsl::parse_str(&format!("{text}{stub}")).unwrap_or_default();
+    let mut free: HashSet<String> = WANTED.map(|(name, ..)| name.to_owned()).into();
     let functions = module.functions.iter().map(|(_, function)| function);
     for function in functions.chain(module.entry_points.iter().map(|entry| &entry.function)) {
-        let arguments = function.arguments.iter().filter_map(|argument| argument.name.as_ref());
-        let variables = function.local_variables.iter().filter_map(|(_, variable)| variable.name.as_ref());
-        for name in arguments.chain(variables).chain(function.named_expressions.values()) {
-            reserved.remove(name);
-        }
+        let arguments = function.arguments.iter().filter_map(|argument| argument.name.clone());
+        let variables = function.local_variables.iter().filter_map(|(_, variable)| variable.name.clone());
+        free.extend(arguments.chain(variables).chain(function.named_expressions.values().cloned()));
     }
     for (_, ty) in module.types.iter() {
         if let naga::TypeInner::Struct { members, .. } = &ty.inner {
-            for name in members.iter().filter_map(|member| member.name.as_ref()) {
-                reserved.remove(name);
-            }
+            free.extend(members.iter().filter_map(|member| member.name.clone()));
         }
     }
-    for name in WANTED.map(|(name, ..)| name) {
-        reserved.remove(name);
-    }
-    // Module-wide names stay, whatever a function calls its own.
-    reserved.extend(declared(text).into_iter().map(|(_, _, name)| name.to_owned()));
-    reserved
+    free
 }
