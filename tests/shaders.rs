@@ -10,6 +10,7 @@ const EXCLUSIVE: &[(&str, [&str; 2])] = &[
     ("surface_factor", ["COUNTS", "VISIBILITY"]),
     ("layer_images", ["COUNTS", "VISIBILITY"]),
     ("surface_shade", ["LAYER", "MULTISAMPLED"]),
+    ("surface_shade", ["LAYER", "FARTHER"]),
 ];
 
 /// What plans, and the engine's own styles, ask of each module: at least these flags and entry points must be there,
@@ -53,6 +54,7 @@ const USED: &[(&str, &[&str], &[&str])] = &[
         &["HALVES", "MASKED", "NORMALS"],
         &["vertex", "visible_triangle", "receiver_normal if NORMALS", "triangle_and_normal if NORMALS"],
     ),
+    ("surface_nearest", &["BASE_COLOR_TEXTURE", "SECOND_UV"], &["vertex", "nearest"]),
     ("surface_peel", &["BASE_COLOR_TEXTURE", "BEHIND", "SECOND_UV"], &["vertex", "peel"]),
     (
         "surface_shade",
@@ -95,6 +97,7 @@ const SHADE_FLAGS: &[&str] = &[
     "BASE_COLOR_TEXTURE",
     "COUNTS",
     "EMISSIVE_TEXTURE",
+    "FARTHER",
     "LAYER",
     "MANY_LIGHTS",
     "MASK",

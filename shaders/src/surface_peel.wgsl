@@ -31,12 +31,6 @@ fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) instance:
     return out;
 }
 
-// Alpha 0 is no surface where alpha blends; a mask has holes below its cutoff.
-fn is_there(in: Varyings) -> bool {
-    let alpha = full_alpha(in.uvs, in.alpha);
-    return select(alpha >= material.alpha_cutoff, alpha > 0.0, material.blends == 1u);
-}
-
 @fragment
 fn peel(in: Varyings) -> @location(0) vec2u {
     let pixel = vec2u(in.clip.xy);
@@ -49,7 +43,7 @@ fn peel(in: Varyings) -> @location(0) vec2u {
         || (in.triangle.x == last_triangle.x && in.triangle.y > last_triangle.y);
     is_next = is_next && (depth < last || (depth == last && drawn_later));
 #endif
-    if !is_next || !is_there(in) {
+    if !is_next || !is_there(in.uvs, in.alpha) {
         discard;
     }
     return in.triangle;

@@ -8,6 +8,7 @@
 #import common/lights
 #import common/material
 #import common/surface
+#import common/tone
 #if LAYER
 #import common/attributes
 #import common/positions
@@ -59,6 +60,11 @@
 #if VISIBILITY
 @group(1) @binding(2) var visibility: texture_2d_array<f32>;
 #endif
+#endif
+
+#if FARTHER
+// The nearest transparent surface at every pixel: only what is behind it is drawn.
+@group(1) @binding(10) var nearest_depth: texture_depth_2d;
 #endif
 
 #if TINTED
@@ -326,24 +332,6 @@ fn lit_by(light: Light, number: u32, s: Surface, pixel: vec2u, receives: u32, sm
 #endif
 }
 
-// Khronos PBR Neutral: true colours up to 0.8, then a soft shoulder that desaturates.
-fn tone_mapped(radiance: vec3f) -> vec3f {
-    var color = radiance;
-    let low = min(color.r, min(color.g, color.b));
-    let offset = select(0.04, low - 6.25 * low * low, low < 0.08);
-    color -= offset;
-    let peak = max(color.r, max(color.g, color.b));
-    let start = 0.76;
-    if peak < start {
-        return color;
-    }
-    let d = 1.0 - start;
-    let new_peak = 1.0 - d * d / (peak + d - start);
-    color *= new_peak / peak;
-    let g = 1.0 - 1.0 / (0.15 * (peak - new_peak) + 1.0);
-    return mix(color, vec3f(new_peak), g);
-}
-
 fn shade(in: Varyings) -> vec4f {
     let base = base_color(in);
 #if MASKED
@@ -439,9 +427,15 @@ fn opaque(
 @fragment
 fn blended(in: Varyings) -> @location(0) vec4f {
     let color = shade(in);
+#if FARTHER
+    if in.clip.z >= textureLoad(nearest_depth, vec2u(in.clip.xy), 0) {
+        discard;
+    }
+#endif
     let covered = covered_share(color.a);
     return vec4f(color.rgb * covered, select(covered, 0.0, material.transmission > 0.0));
 }
+
 
 // How much of the picture behind is seen through a surface of this base colour.
 fn seen_through(base: vec4f) -> vec3f {
@@ -455,6 +449,11 @@ fn shine_through(in: Varyings) -> @location(0) vec4f {
     let base = base_color(in);
 #if MASKED
     if is_hole(in) {
+        discard;
+    }
+#endif
+#if FARTHER
+    if in.clip.z >= textureLoad(nearest_depth, vec2u(in.clip.xy), 0) {
         discard;
     }
 #endif

@@ -133,7 +133,7 @@ impl Assembly<'_> {
             });
         }
         let finished = self.drawn;
-        if layers.is_some() {
+        if layers.as_ref().is_some_and(|layers| !layers.nearest_only) {
             self.drawn = self.picture_behind_layers();
         }
         self.shading(prepass, counting > 0, mask, &lights, layers.is_some());
@@ -148,7 +148,11 @@ impl Assembly<'_> {
         if let Some(layers) = layers {
             layer_count = layers.segments.len() as u32;
             layer_triangles.clone_from(&layers.kept_triangles);
-            self.draw_layers(layers, mask, finished, &mut lights);
+            if layers.nearest_only {
+                self.draw_nearest(layers, mask, &mut lights);
+            } else {
+                self.draw_layers(layers, mask, finished, &mut lights);
+            }
         }
         self.finish_picture();
         let Self { b, picture, request, .. } = self;

@@ -6,6 +6,8 @@
 //! surfaces, and it is shaded. What the layers before it let pass is kept as a product of red, green and blue, so that
 //! in the end light of layers + product · opaque picture is the finished one: nothing is blended in a wrong order.
 //!
+//! Where shadows fall on the nearest surface only, there is one layer: see [`super::nearest_layer`].
+//!
 //! Memory does not grow with the number of layers, passes do. There are as many layers as the view may need
 //! ([`super::layer_count`]); none of this is in the plan if no technique asks for layers, or nothing transparent is in view.
 
@@ -24,6 +26,9 @@ use crate::plan::{
 };
 use crate::shadow::{Layers, hash_of};
 
+/// How far the numbers of a layer's factors lie behind those of an opaque surface's: see [`SurfaceStyle::Layer`].
+const LAYER_COUNTS: u32 = 5;
+
 /// The most layers a frame draws: each takes its passes, and so does each light on it.
 const MAX_LAYERS: u32 = 1024;
 
@@ -31,15 +36,17 @@ const MAX_LAYERS: u32 = 1024;
 #[derive(Default)]
 pub(super) struct Layered {
     /// The depth of even and of odd layers.
-    depths: Vec<SlotId>,
-    /// For each layer its instance and triangle at every pixel.
-    triangles: Vec<SlotId>,
+    pub(super) depths: Vec<SlotId>,
+    /// For each layer its instance and triangle at every pixel, where these are drawn.
+    pub(super) triangles: Vec<Option<SlotId>>,
     /// Those that were asked for.
     pub(super) kept_triangles: Vec<SlotId>,
     /// The normals of the layer that is being drawn, when a technique asks for them.
     normals: Option<SlotId>,
     /// For each layer, for each light.
     pub(super) segments: Vec<Vec<Segment>>,
+    /// Whether no light's shadows fall on any but the first.
+    pub(super) nearest_only: bool,
 }
 
 impl Planner<'_> {
@@ -56,21 +63,28 @@ impl Planner<'_> {
     ) -> Result<Option<Layered>, FrameError> {
         let lights = self.registry.lights.iter().zip(&self.posed.lights);
         let reaching = lights.filter(|(_, light)| light.may_reach(&self.view.receiver_bounds));
-        let mut claims = reaching.flat_map(|(claims, _)| claims);
-        let asks = claims.find(|claim| claim.technique.receiver_layers() != Layers::OpaqueOnly);
+        let claims = reaching.flat_map(|(claims, _)| claims);
+        let asks = claims.max_by_key(|claim| claim.technique.receiver_layers());
+        let asks = asks.filter(|claim| claim.technique.receiver_layers() != Layers::OpaqueOnly);
         let (Some(claim), false) = (asks, surfaces.transparent.is_empty()) else { return Ok(None) };
         let asked_by = format!("'{}' ({})", claim.node, claim.label);
         if request.antialias == Antialias::Multisample4 {
             return Err(FrameError::MultisampledLayers { asked_by });
         }
-        let layers = self.layer_count(surfaces);
+        let looked_at = if request.factors { request.layer_factors.end } else { 0 };
+        let nearest_only = claim.technique.receiver_layers() == Layers::First;
+        let mut layers = self.layer_count(surfaces);
+        if nearest_only {
+            // Further ones are peeled off only to be looked at.
+            layers = layers.min(looked_at.max(1));
+        }
         if layers > MAX_LAYERS {
             return Err(FrameError::TooManyLayers { asked_by, layers, limit: MAX_LAYERS });
         }
         if layers == 0 {
             return Ok(None);
         }
-        let mut layered = Layered::default();
+        let mut layered = Layered { nearest_only, ..Layered::default() };
         for parity in ["even", "odd"].iter().take(layers as usize) {
             let reason = "where shadows fall on transparent surfaces, layer by layer";
             let name = format!("depth of {parity} layers");
@@ -79,14 +93,16 @@ impl Planner<'_> {
         let mut reused = [None; 2];
         for layer in 0..layers {
             let kept = request.factors && request.layer_factors.contains(&layer);
-            let triangles = self.layer_triangles(b, layer, kept, &mut reused);
+            // Where the nearest layer is all there is, its depth says which it is.
+            let triangles =
+                (!nearest_only || looked_at > 0).then(|| self.layer_triangles(b, layer, kept, &mut reused));
             layered.triangles.push(triangles);
-            layered.kept_triangles.extend(kept.then_some(triangles));
+            layered.kept_triangles.extend(triangles.filter(|_| kept));
             let depth = layered.depths[layer as usize % 2];
             // What was left out here was left out of the opaque surfaces' passes too.
             let notes = b.notes.len();
             let receivers = Receivers { depth, layer: Some(layer) };
-            let mut seen = Seen { triangles: Some(triangles), normals: layered.normals };
+            let mut seen = Seen { triangles, normals: layered.normals };
             layered.segments.push(self.lights(b, receivers, &mut seen)?);
             layered.normals = seen.normals;
             b.notes.truncate(notes);
@@ -143,20 +159,12 @@ impl Assembly<'_> {
     /// Draws all layers, nearest first, and puts them over what was drawn, into `finished`.
     pub(super) fn draw_layers(
         &mut self,
-        layers: Layered,
+        mut layers: Layered,
         mask: Option<SlotId>,
         finished: SlotId,
         lights: &mut [LightPlanned],
     ) {
-        let mut parts =
-            layers.segments.iter().flatten().flat_map(|segment| segment.shaded.iter().chain(&segment.alone));
-        if parts.any(|part| part.counts) {
-            for depth in &layers.depths {
-                if let SlotKind::Texture { format, .. } = &mut self.b.slots[depth.0].kind {
-                    *format = TextureFormat::Depth32FloatStencil8;
-                }
-            }
-        }
+        self.count_on(&layers);
         let half = TextureFormat::Rgba16Float;
         let passed = self.b.texture("passed by layers", half, 1, "what all layers so far let pass");
         let light = self.b.texture("light of layers", half, 1, "what they add themselves");
@@ -170,25 +178,16 @@ impl Assembly<'_> {
             draws: vec![],
         });
         let opaque_depth = self.depth;
-        let tints = self.tints(lights).map(|tints| (12, Binding::Storage(tints)));
         let mut last = None;
-        for (layer, segments) in layers.segments.into_iter().enumerate() {
+        for layer in 0..layers.segments.len() {
             let first_pass = self.b.passes.len();
-            let triangles = layers.triangles[layer];
-            self.depth = layers.depths[layer % 2];
-            self.peel(opaque_depth, last, triangles);
-            let draws = |part: &Part| part.passes.iter().any(|pass| !pass.draws.is_empty());
-            let shadowed = segments.iter().any(|segment| segment.shaded.iter().any(draws));
-            if let (Some(normals), true) = (layers.normals, shadowed) {
-                self.layer_normals(normals);
-            }
-            self.shadows_on_layer((layer as u32, triangles), (segments, shadowed), mask, lights);
-            let mut read = vec![];
-            if shadowed {
-                read = self.factors_read(mask, lights);
-                read.extend(tints);
-            }
-            self.shade_layer(triangles, (passed, light), read);
+            let shadowed = self.layer(&mut layers, layer, (opaque_depth, last), mask, lights);
+            let Some(triangles) = layers.triangles[layer] else { continue };
+            // At the numbers that layers' draws have for them.
+            let factors = if shadowed { self.factor_bindings(mask, lights) } else { vec![] };
+            let factors =
+                factors.into_iter().map(|(number, binding)| (number + LAYER_COUNTS, binding)).collect();
+            self.shade_layer(triangles, (passed, light), factors);
             for pass in &mut self.b.passes[first_pass..] {
                 pass.name += &format!(" on layer {layer}");
             }
@@ -208,6 +207,44 @@ impl Assembly<'_> {
             draws: vec![draw],
         });
         self.drawn = finished;
+    }
+
+    /// Gives the depths of layers a stencil where something counts in it.
+    pub(super) fn count_on(&mut self, layers: &Layered) {
+        let mut parts =
+            layers.segments.iter().flatten().flat_map(|segment| segment.shaded.iter().chain(&segment.alone));
+        if parts.any(|part| part.counts) {
+            for depth in &layers.depths {
+                if let SlotKind::Texture { format, .. } = &mut self.b.slots[depth.0].kind {
+                    *format = TextureFormat::Depth32FloatStencil8;
+                }
+            }
+        }
+    }
+
+    /// Finds layer number `layer` behind the `last` one and plans all lights for it; says whether any shadow falls on it.
+    /// `self.depth` is its depth then.
+    pub(super) fn layer(
+        &mut self,
+        layers: &mut Layered,
+        layer: usize,
+        (opaque_depth, last): (SlotId, Option<(SlotId, SlotId)>),
+        mask: Option<SlotId>,
+        lights: &mut [LightPlanned],
+    ) -> bool {
+        let (triangles, segments) = (layers.triangles[layer], std::mem::take(&mut layers.segments[layer]));
+        self.depth = layers.depths[layer % 2];
+        match triangles {
+            Some(triangles) => self.peel(opaque_depth, last, triangles),
+            None => self.nearest_depth(opaque_depth),
+        }
+        let draws = |part: &Part| part.passes.iter().any(|pass| !pass.draws.is_empty());
+        let shadowed = segments.iter().any(|segment| segment.shaded.iter().any(draws));
+        if let (Some(normals), true) = (layers.normals, shadowed) {
+            self.layer_normals(normals);
+        }
+        self.shadows_on_layer((layer as u32, triangles), (segments, shadowed), mask, lights);
+        shadowed
     }
 
     /// Finds the next layer: its depth into `self.depth`, instance and triangle into `triangles`.
@@ -260,17 +297,19 @@ impl Assembly<'_> {
     /// The passes of every light for one layer; factor images where they were asked for.
     fn shadows_on_layer(
         &mut self,
-        (layer, triangles): (u32, SlotId),
+        (layer, triangles): (u32, Option<SlotId>),
         (segments, shadowed): (Vec<Segment>, bool),
         mask: Option<SlotId>,
         lights: &mut [LightPlanned],
     ) {
-        let wanted = self.request.factors && self.request.layer_factors.contains(&layer);
+        let kept = self.request.factors && self.request.layer_factors.contains(&layer);
+        let triangles = triangles.filter(|_| kept);
         let mut bits = 0;
         for (segment, light) in segments.into_iter().zip(lights) {
-            let (name, wanted) = (&light.name, wanted && segment.claimed);
+            let name = &light.name;
+            let wanted = triangles.filter(|_| segment.claimed);
             let mut image = None;
-            if let Some(part) = segment.alone.filter(|_| wanted && shadowed) {
+            if let (Some(part), Some(triangles), true) = (segment.alone, wanted, shadowed) {
                 self.passes_of(&part, name);
                 image = Some(self.layer_factor_image((layer, triangles), name, part.place()));
                 if part.is_counted() {
@@ -279,7 +318,7 @@ impl Assembly<'_> {
             }
             for part in segment.shaded.iter().filter(|_| shadowed) {
                 self.passes_of(part, name);
-                if wanted && image.is_none() {
+                if let (Some(triangles), None) = (wanted, image) {
                     image = Some(self.layer_factor_image((layer, triangles), name, part.place()));
                 }
                 if let (Some(mask), true) = (mask, part.is_counted()) {
@@ -287,7 +326,7 @@ impl Assembly<'_> {
                     bits += 1;
                 }
             }
-            if wanted && image.is_none() {
+            if let (Some(triangles), None) = (wanted, image) {
                 image = Some(self.layer_factor_image((layer, triangles), name, FactorAt::Lit));
             }
             light.layer_factor_images.extend(image);
@@ -336,18 +375,6 @@ impl Assembly<'_> {
         slot
     }
 
-    /// Where shading finds the factors of all lights on the layer whose depth is `self.depth`.
-    fn factors_read(&self, mask: Option<SlotId>, lights: &[LightPlanned]) -> Vec<(u32, Binding)> {
-        let any = |wanted: &dyn Fn(FactorAt) -> bool| {
-            lights.iter().flat_map(LightPlanned::factors).any(|part| wanted(part.at))
-        };
-        let counts = any(&|at| at == FactorAt::Counts).then_some((5, Binding::StencilOf(self.depth)));
-        let mask = mask.map(|mask| (6, Binding::TextureArray(mask)));
-        let visibility = any(&|at| matches!(at, FactorAt::Visibility(_)));
-        let visibility = visibility.then_some((7, Binding::TextureArray(self.visibility)));
-        [counts, mask, visibility].into_iter().flatten().collect()
-    }
-
     /// Adds one layer's own light to that of the layers before it, and takes from what passes what it does not let pass.
     fn shade_layer(
         &mut self,
@@ -375,7 +402,7 @@ impl Assembly<'_> {
         self.b.passes.extend([shading, tint]);
     }
 
-    fn transparent_draw(
+    pub(super) fn transparent_draw(
         &self,
         name: &str,
         style: SurfaceStyle,
@@ -384,31 +411,6 @@ impl Assembly<'_> {
     ) -> Draw {
         let geometry: Geometry = Surfaces::geometry(self.posed, style, &self.surfaces.transparent);
         Draw { name: name.into(), shader: None, state, geometry, bindings, scissor_px: None }
-    }
-
-    /// Transparent surfaces without layers: far to near by their middles, lit without shadows.
-    pub(super) fn sorted_draws(&self) -> Vec<Draw> {
-        let transmits = |&(instance, part): &(u32, u32)| {
-            self.posed.instances[instance as usize].materials[part as usize].transmission > 0.0
-        };
-        let draw = |name: &str, style, parts: &[(u32, u32)], blend| Draw {
-            name: name.into(),
-            shader: None,
-            state: DrawState::new(CompareFunction::Greater, vec![Some(blend)]),
-            geometry: Surfaces::geometry(self.posed, style, parts),
-            bindings: vec![],
-            scissor_px: None,
-        };
-        let mut draws = Vec::new();
-        for run in self.surfaces.blended.chunk_by(|a, b| !transmits(a) && !transmits(b)) {
-            // What shines through in colour takes that colour on first.
-            if run.iter().any(transmits) {
-                draws.push(draw("tint", SurfaceStyle::Tint, run, MULTIPLY));
-            }
-            let blend = BlendState::PREMULTIPLIED_ALPHA_BLENDING;
-            draws.push(draw("blended surfaces", SurfaceStyle::Blended, run, blend));
-        }
-        draws
     }
 }
 

@@ -8,6 +8,7 @@ mod factors;
 mod frame;
 mod layer_count;
 mod layers;
+mod nearest_layer;
 mod renderer;
 mod request;
 mod segments;

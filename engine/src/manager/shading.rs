@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::assembly::Assembly;
+use super::nearest_layer::Sorted;
 use super::surface_functions;
 use crate::gpu::TintUniform;
 use crate::plan::{
@@ -22,26 +23,11 @@ impl Assembly<'_> {
         layered: bool,
     ) {
         let background = self.posed.background.as_dvec3();
-        let mut bindings = Vec::new();
-        let any = |wanted: &dyn Fn(FactorAt) -> bool| {
-            lights.iter().flat_map(LightPlanned::factors).any(|part| wanted(part.at))
-        };
-        if any(&|at| at == FactorAt::Counts) {
-            bindings.push((0, Binding::StencilOf(self.depth)));
-        }
-        if self.multisampled() {
-            bindings.extend(mask.map(|mask| (1, Binding::Texture(mask))));
-        } else {
-            bindings.extend(mask.map(|mask| (1, Binding::TextureArray(mask))));
-        }
-        if any(&|at| matches!(at, FactorAt::Visibility(_))) {
-            bindings.push((2, Binding::TextureArray(self.visibility)));
-        }
+        let mut bindings = self.factor_bindings(mask, lights);
         if self.multisampled() && !bindings.is_empty() {
             // Which samples show the fragment that is shaded: their factors are averaged.
             bindings.push((3, Binding::Texture(self.depth)));
         }
-        bindings.extend(self.tints(lights).map(|tints| (7, Binding::Storage(tints))));
         let mut state = DrawState::new(CompareFunction::Equal, vec![Some(BlendState::REPLACE)]);
         let mut depth = self.depth_read();
         if !after_prepass {
@@ -53,7 +39,7 @@ impl Assembly<'_> {
         let mut draws = vec![self.surfaces_draw("opaque surfaces", SurfaceStyle::Opaque, None, state)];
         draws[0].bindings = bindings;
         if !layered && !self.surfaces.blended.is_empty() {
-            draws.extend(self.sorted_draws());
+            draws.extend(self.sorted_draws(&Sorted::all()));
             self.b.note("blended surfaces are lit without shadows: factors are those of the opaque surface");
         }
         self.b.notes.extend(surface_functions::notes(self.posed, &self.surfaces, lights));
@@ -74,6 +60,31 @@ impl Assembly<'_> {
             depth: Some(depth),
             draws,
         });
+    }
+
+    /// Where shading finds the factors of all lights on the surface whose depth is `self.depth`, and their weights.
+    pub(super) fn factor_bindings(
+        &mut self,
+        mask: Option<SlotId>,
+        lights: &[LightPlanned],
+    ) -> Vec<(u32, Binding)> {
+        let mut bindings = Vec::new();
+        let any = |wanted: &dyn Fn(FactorAt) -> bool| {
+            lights.iter().flat_map(LightPlanned::factors).any(|part| wanted(part.at))
+        };
+        if any(&|at| at == FactorAt::Counts) {
+            bindings.push((0, Binding::StencilOf(self.depth)));
+        }
+        if self.multisampled() {
+            bindings.extend(mask.map(|mask| (1, Binding::Texture(mask))));
+        } else {
+            bindings.extend(mask.map(|mask| (1, Binding::TextureArray(mask))));
+        }
+        if any(&|at| matches!(at, FactorAt::Visibility(_))) {
+            bindings.push((2, Binding::TextureArray(self.visibility)));
+        }
+        bindings.extend(self.tints(lights).map(|tints| (7, Binding::Storage(tints))));
+        bindings
     }
 
     /// What the picture loses where factors are 0, as `tints` of surface_shade: an entry for each light, and after them

@@ -52,6 +52,12 @@ fn full_alpha(uvs: Uvs, vertex_alpha: f32) -> f32 {
     return alpha;
 }
 
+// Whether a transparent surface is there: alpha 0 is none where alpha blends, and a mask has holes below its cutoff.
+fn is_there(uvs: Uvs, vertex_alpha: f32) -> bool {
+    let alpha = full_alpha(uvs, vertex_alpha);
+    return select(alpha >= material.alpha_cutoff, alpha > 0.0, material.blends == 1u);
+}
+
 // Whether the surface is not there, where the vertex colour has this alpha.
 fn has_hole(uvs: Uvs, vertex_alpha: f32) -> bool {
     return full_alpha(uvs, vertex_alpha) < material.alpha_cutoff;

@@ -21,7 +21,8 @@ use crate::scene::{Instance, Material, Posed};
 /// The flags of surface_shade for what a draw reads, by binding number (the depth of samples is number 3, weights of
 /// shadows number 7), and at numbers that no binding has: whether a visibility has one channel, whether any light has
 /// smooth terminators, whether any factor holds own shadows, whether there is one factor only, whether a layer is drawn.
-const READ_FLAGS: [&str; 10] = [
+/// What is drawn behind the nearest transparent surface only reads its depth at number 10.
+const READ_FLAGS: [&str; 11] = [
     "COUNTS",
     "MASK",
     "VISIBILITY",
@@ -32,6 +33,7 @@ const READ_FLAGS: [&str; 10] = [
     "TINTED",
     "ONE_FACTOR",
     "LAYER",
+    "FARTHER",
 ];
 
 /// The binding number of counts where a layer is drawn; those of mask, visibility and weights follow at their distance.
@@ -232,7 +234,8 @@ impl Executor {
         };
         let surface = Surface::Mesh { style, masked: material.cutoff().is_some(), culling };
         self.set_pipeline(recording, &shader, surface, render).map_err(|error| {
-            let function = material.surface.as_ref().filter(|_| style != SurfaceStyle::Depth);
+            let is_depth = matches!(style, SurfaceStyle::Depth | SurfaceStyle::Nearest);
+            let function = material.surface.as_ref().filter(|_| !is_depth);
             function.map_or(error.clone(), |function| error.of(material, function, &self.gpu))
         })?;
         let pulled = style.is_pulled().then_some(surface);
@@ -312,10 +315,12 @@ impl Executor {
             SurfaceStyle::Tint => ("surface_shade", Some("shine_through")),
             SurfaceStyle::Layer => ("surface_shade", Some("shaded_layer")),
             SurfaceStyle::LayerTint => ("surface_shade", Some("shine_through_layer")),
+            SurfaceStyle::Nearest => ("surface_nearest", Some("nearest")),
             SurfaceStyle::Pulled | SurfaceStyle::PulledMasked => return None,
         };
         // Depth has nothing to reflect.
-        let function = material.surface.as_ref().filter(|_| style != SurfaceStyle::Depth);
+        let is_depth = matches!(style, SurfaceStyle::Depth | SurfaceStyle::Nearest);
+        let function = material.surface.as_ref().filter(|_| !is_depth);
         features |= u32::from(function.is_some()) << SURFACE_FUNCTION;
         let mut read: u32 = draw.bindings.iter().map(|(number, _)| 1 << number).sum();
         if style.is_pulled() {
@@ -332,7 +337,9 @@ impl Executor {
             |(_, binding): &(u32, Binding)| scene.format(binding.slot()) == TextureFormat::R16Float;
         read |= u32::from(draw.bindings.iter().any(one_channel)) << 4;
         read |= u32::from(scene.plan.lights.iter().any(|light| !light.smooth_terminators.is_empty())) << 5;
-        read |= u32::from(scene.plan.lights.iter().any(|light| light.own_shadow)) << 6;
+        // Where no factor is read, none holds the surface's own shadow.
+        let own_shadow = scene.plan.lights.iter().any(|light| light.own_shadow) && read & FACTOR_FLAGS != 0;
+        read |= u32::from(own_shadow) << 6;
         let shader =
             self.surface_shaders.entry((style, read, features, function.cloned())).or_insert_with(|| {
                 let read_flags = READ_FLAGS.iter().enumerate().filter(|(bit, _)| read >> bit & 1 == 1);

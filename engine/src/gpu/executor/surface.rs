@@ -16,11 +16,9 @@ impl Surface {
     /// Whether its shader reads a material.
     pub(super) fn has_material(self) -> bool {
         match self {
-            Self::Mesh { style: SurfaceStyle::Opaque | SurfaceStyle::Blended, .. } => true,
-            Self::Mesh { style: SurfaceStyle::Tint | SurfaceStyle::PulledMasked, .. } => true,
-            Self::Mesh { style: SurfaceStyle::Layer | SurfaceStyle::LayerTint, .. } => true,
             Self::Mesh { style: SurfaceStyle::Depth, masked, .. } => masked,
             Self::Mesh { style: SurfaceStyle::Pulled, .. } | Self::Technique { .. } => false,
+            Self::Mesh { .. } => true,
         }
     }
 
