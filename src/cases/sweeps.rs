@@ -45,6 +45,8 @@ pub struct Sweep {
     pub answers: &'static [(&'static str, Answer)],
     /// The option that is swept, where it is one.
     pub option: Option<&'static str>,
+    /// The technique, by type name, whose every quality setting it is there to compare, where one is.
+    pub compares: Option<&'static str>,
     stages: fn() -> Vec<(f64, Stage)>,
 }
 
@@ -54,6 +56,11 @@ impl Sweep {
         let case =
             |(value, stage): (f64, Stage)| (value, stage.into_case(self.id, self.what_breaks, self.answers));
         (self.stages)().into_iter().map(case).collect()
+    }
+
+    /// Whether every quality setting of a technique is tried, not its default only.
+    pub fn tries_all_of(&self, technique: &TechniqueEntry) -> bool {
+        self.compares == Some(technique.type_name) || (self.option.is_some() && self.concerns(technique))
     }
 
     /// Whether the sweep says anything about a technique: whether it has the option that is swept, and does not leave
@@ -89,6 +96,7 @@ const BASE: Sweep = Sweep {
     f32_loses: "",
     answers: &[],
     option: None,
+    compares: None,
     stages: Vec::new,
 };
 
@@ -263,6 +271,7 @@ const SWEEPS: &[Sweep] = &[
         unit: "",
         what_breaks: "logarithms and products lose digits with every layer",
         answers: GLASS,
+        compares: Some("TransparentShadow"),
         stages: glass_depth,
         ..BASE
     },
@@ -273,6 +282,7 @@ const SWEEPS: &[Sweep] = &[
         axis: Axis::Linear,
         what_breaks: "logarithms of next to nothing",
         answers: GLASS,
+        compares: Some("TransparentShadow"),
         stages: glass_transmission,
         ..BASE
     },

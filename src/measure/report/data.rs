@@ -263,6 +263,8 @@ pub struct SweepReport {
     pub f32_loses: &'static str,
     /// The option of techniques that is swept, where it is one.
     pub option: Option<&'static str>,
+    /// The short name of the technique whose settings are compared, where one is.
+    pub compares: Option<&'static str>,
     /// For each technique and setting its steps.
     pub techniques: Vec<(String, Vec<SweepStep>)>,
 }

@@ -306,14 +306,16 @@ fn sweeps(page: &mut Page, report: &Report) {
     page.put(format_args!("</div>"));
     for sweep in &report.sweeps {
         if let Some(svg) = plots::qualities(sweep) {
+            let what = if sweep.option.is_some() {
+                "every quality’s error beside the whole light, over the penumbra’s pixels"
+            } else {
+                "every setting’s error outside the ambiguity band, one beside the other"
+            };
             page.plot(
                 "lines",
                 &svg,
-                &format!("Error in penumbrae against {}", sweep.parameter),
-                &format!(
-                    "<strong>{}</strong>: every quality’s error beside the whole light, over the penumbra’s pixels.",
-                    escaped(sweep.id)
-                ),
+                &plots::qualities_title(sweep),
+                &format!("<strong>{}</strong>: {what}.", escaped(sweep.id)),
             );
         }
     }

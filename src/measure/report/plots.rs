@@ -7,6 +7,7 @@ use super::plot::{AxisOf, Layout, Mark, Plot};
 use super::scales::number;
 use super::svg::Svg;
 use super::tables::axis_points;
+use super::totals::Totals;
 use super::{style, tables};
 
 /// The main plot's file.
@@ -26,8 +27,7 @@ pub(super) fn standalone(report: &Report) -> Vec<(String, String)> {
     for sweep in &report.sweeps {
         put(format!("sweep-{}.svg", sweep.id), &format!("Error against {}", sweep.parameter), &error(sweep));
         if let Some(svg) = qualities(sweep) {
-            let title = format!("Error in penumbrae against {}", sweep.parameter);
-            put(format!("quality-{}.svg", sweep.id), &title, &svg);
+            put(format!("quality-{}.svg", sweep.id), &qualities_title(sweep), &svg);
         }
     }
     plots
@@ -245,37 +245,53 @@ pub(super) fn cost(axis: &AxisReport) -> Svg {
     plot.finish()
 }
 
-/// The penumbra's error of every quality setting against an option of theirs; `None` where no option is swept or nothing
-/// has a penumbra.
+/// What [`qualities`] plots.
+pub(super) fn qualities_title(sweep: &SweepReport) -> String {
+    let of = if sweep.option.is_some() { "Error in penumbrae" } else { "Error of each setting" };
+    format!("{of} against {}", sweep.parameter)
+}
+
+/// The error of every quality setting against an option of theirs, in penumbrae, or of one technique's settings that
+/// a sweep compares, outside the band; `None` where a sweep does neither, or nothing has a penumbra.
 pub(super) fn qualities(sweep: &SweepReport) -> Option<Svg> {
-    sweep.option?;
-    let with_penumbra = |(index, (name, steps)): (usize, &(String, Vec<SweepStep>))| {
-        let points: Vec<[f64; 2]> = steps
-            .iter()
-            .filter_map(|step| Some((step.value, step.outcome.measured()?)))
-            .filter(|(_, totals)| totals.penumbra_pixels > 0)
-            .map(|(value, totals)| [value, totals.penumbra_rmse])
-            .collect();
-        (!points.is_empty()).then(|| (index, name.clone(), points))
+    let in_penumbra = sweep.option.is_some();
+    if !in_penumbra && sweep.compares.is_none() {
+        return None;
+    }
+    let is_compared = |name: &str| {
+        let of = |short: &str| {
+            name.strip_prefix(short).is_some_and(|rest| rest.is_empty() || rest.starts_with(' '))
+        };
+        in_penumbra || sweep.compares.is_some_and(of)
     };
-    let lines: Vec<_> = sweep.techniques.iter().enumerate().filter_map(with_penumbra).collect();
+    let error = |totals: &Totals| match in_penumbra {
+        true => (totals.penumbra_pixels > 0).then_some(totals.penumbra_rmse),
+        false => Some(totals.rmse_outside_band),
+    };
+    let judged = |(index, (name, steps)): (usize, &(String, Vec<SweepStep>))| {
+        let points: Vec<[f64; 2]> =
+            steps.iter().filter_map(|step| Some([step.value, error(step.outcome.measured()?)?])).collect();
+        (!points.is_empty() && is_compared(name)).then(|| (index, name.clone(), points))
+    };
+    let lines: Vec<_> = sweep.techniques.iter().enumerate().filter_map(judged).collect();
     if lines.is_empty() {
         return None;
     }
     let all = || lines.iter().flat_map(|(_, _, points)| points);
     let x = AxisOf {
-        title: sweep.unit,
+        title: if sweep.unit.is_empty() { sweep.parameter } else { sweep.unit },
         values: all().map(|[value, _]| *value).collect(),
         is_log: sweep.is_log,
         least: 10.0,
     };
     let y = AxisOf {
-        title: "penumbra RMSE",
+        title: if in_penumbra { "penumbra RMSE" } else { ERROR_TITLE },
         values: all().map(|[_, error]| *error).chain([1e-3, 1.0]).collect(),
         is_log: true,
         least: 1.0,
     };
     let mut plot = Plot::new(Layout::LINES, &x, &y, Some("0"));
+    let place = if in_penumbra { "in the penumbra" } else { "outside the band" };
     for (index, name, points) in &lines {
         plot.line(&format!("line {}", Mark::color(Some(*index))), points);
         for [value, error] in points {
@@ -286,7 +302,7 @@ pub(super) fn qualities(sweep: &SweepReport) -> Option<Svg> {
                 class: "",
                 shape: *index,
                 series: Some(*index),
-                title: format!("{name} at {}: RMSE {} in the penumbra", number(*value), number(*error)),
+                title: format!("{name} at {}: RMSE {} {place}", number(*value), number(*error)),
                 label: String::new(),
             });
         }
@@ -313,10 +329,9 @@ pub(super) fn error(sweep: &SweepReport) -> Svg {
     let y = AxisOf { title: "RMSE", values: errors.chain(WHOLE_RANGE).collect(), is_log: true, least: 1.0 };
     let mut plot = Plot::new(Layout::SMALL, &x, &y, Some("0"));
     for (index, (name, steps)) in sweep.techniques.iter().enumerate() {
-        for (class, value) in [
-            ("hollow", (|t| t.rmse) as fn(&super::Totals) -> f64),
-            ("", |t: &super::Totals| t.rmse_outside_band),
-        ] {
+        for (class, value) in
+            [("hollow", (|t| t.rmse) as fn(&Totals) -> f64), ("", |t: &Totals| t.rmse_outside_band)]
+        {
             for step in steps {
                 let Some(totals) = step.outcome.measured() else { continue };
                 plot.mark(&Mark {

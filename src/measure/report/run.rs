@@ -79,7 +79,7 @@ impl Bench<'_> {
     fn settings_for(&self, sweep: &Sweep) -> Vec<(TechniqueEntry, Setting)> {
         let mut settings = self.settings();
         settings.retain(|(entry, setting)| {
-            let every = self.effort.all_settings || (sweep.option.is_some() && sweep.concerns(entry));
+            let every = self.effort.all_settings || sweep.tries_all_of(entry);
             every || setting.name == Setting::DEFAULT.name
         });
         settings
@@ -219,6 +219,7 @@ fn measure_sweep(bench: &Bench<'_>, sweep: &Sweep, steps: &mut Steps<'_>) -> Swe
         };
         techniques.push((label, taken.iter().zip(&mut known).map(measure).collect()));
     }
+    let compared = bench.catalog.entries().iter().find(|entry| sweep.compares == Some(entry.type_name));
     SweepReport {
         id: sweep.id,
         parameter: sweep.parameter,
@@ -227,6 +228,7 @@ fn measure_sweep(bench: &Bench<'_>, sweep: &Sweep, steps: &mut Steps<'_>) -> Swe
         what_breaks: sweep.what_breaks,
         f32_loses: sweep.f32_loses,
         option: sweep.option,
+        compares: compared.map(|entry| entry.short_name),
         techniques,
     }
 }
