@@ -22,9 +22,8 @@ const PACE: Pace = Pace { min_rounds: 9, max_rounds: 21, budget: Duration::from_
 type Row = (&'static str, bool, Option<ShadowNode>);
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let glass = |accumulate, self_shadow| {
-        Some(ShadowNode::from(TransparentShadow { accumulate, self_shadow, ..TransparentShadow::default() }))
-    };
+    let glass =
+        |accumulate, self_shadow| Some(ShadowNode::from(TransparentShadow { accumulate, self_shadow }));
     let rows: [Row; 9] = [
         ("opaque, no shadows", false, None),
         ("opaque, ShadowVolumeHard", false, Some(ShadowVolumeHard::default().into())),

@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod common;
+#[path = "layers/pictures.rs"]
+mod pictures;
 
 use std::sync::Arc;
 
@@ -109,80 +111,6 @@ fn linear(renderer: &mut Renderer, scene: &Scene, request: &FrameRequest) -> Vec
     let request = FrameRequest { picture: PictureFormat::LinearF32, ..request.clone() };
     let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
     renderer.render(scene, &request, &options).unwrap().picture.unwrap().floats().unwrap()
-}
-
-#[test]
-fn panes_that_pass_through_one_another_are_in_order_at_every_pixel() {
-    let Some(mut renderer) = renderer() else { return };
-    let unlit = |color: Vec3, alpha: f32| Material { unlit: true, ..blended(color, alpha) };
-    let (red, green, floor) = (Vec3::new(1.0, 0.0, 0.1), Vec3::new(0.0, 0.8, 0.1), Vec3::splat(0.5));
-    let matt = Material { unlit: true, ..Material::matt("floor", floor) };
-    let panes = [(pane(0.3), unlit(red, 0.75)), (pane(-0.3), unlit(green, 0.5))];
-    let mut checked = [0, 0];
-    for swapped in [false, true] {
-        let mut panes = panes.clone();
-        if swapped {
-            panes.reverse();
-        }
-        let mut scene = panes_over_floor(&panes, matt.clone(), "HardOnLayers");
-        // Something for the light to fall on, aside.
-        common::add_box(&mut scene, "crate", common::at(-2.2, 0.5, -1.3));
-        let request = from_above([200, 160]);
-        let picture = linear(&mut renderer, &scene, &request);
-        let plan = renderer.plan(&scene, &request).unwrap();
-        // One more at most, for pixels next to the diagonals.
-        assert!((2..=4).contains(&plan.layers), "{plan}");
-        let over = |front: (Vec3, f32), behind: Vec3| front.0 * front.1 + behind * (1.0 - front.1);
-        let red_above = over((red, 0.75), over((green, 0.5), floor));
-        let green_above = over((green, 0.5), over((red, 0.75), floor));
-        for (pixel, texel) in picture.chunks_exact(4).enumerate() {
-            let (x, y) = (pixel % 200, pixel / 200);
-            // Well inside both panes; their common line is at x = 0, near the middle of the picture.
-            if !(40..120).contains(&y) || !(60..92).contains(&x) && !(108..140).contains(&x) {
-                continue;
-            }
-            let right = x > 100;
-            let expected = if right { red_above } else { green_above };
-            let color = Vec3::from_slice(texel);
-            assert!((color - expected).abs().max_element() < 2e-3, "({x}, {y}): {color}, not {expected}");
-            checked[usize::from(right)] += 1;
-        }
-    }
-    assert!(checked.iter().all(|count| *count > 4000), "{checked:?}");
-}
-
-#[test]
-fn single_panes_look_as_they_do_without_layers() {
-    let Some(mut renderer) = renderer() else { return };
-    let glass = Material {
-        base_color: Vec4::new(0.9, 0.3, 0.2, 1.0),
-        transmission: 0.8,
-        roughness: 0.3,
-        ..Material::default()
-    };
-    let panes = [
-        blended(Vec3::new(0.9, 0.3, 0.2), 0.6),
-        glass.clone(),
-        Material { alpha_mode: AlphaMode::Blend, base_color: Vec4::new(0.9, 0.3, 0.2, 0.5), ..glass },
-    ];
-    for pane_material in panes {
-        let pane = [(pane(0.2), pane_material)];
-        // The hard technique leaves glass alone and casts nothing here but the floor.
-        let pictures = ["ShadowVolumeHard", "HardOnLayers"].map(|node| {
-            let scene = panes_over_floor(&pane, Material::default(), node);
-            let layers = renderer.plan(&scene, &from_above([120, 96])).unwrap().layers;
-            assert_eq!(layers > 0, node == "HardOnLayers");
-            linear(&mut renderer, &scene, &from_above([120, 96]))
-        });
-        let [sorted, layered] = pictures;
-        let bare = panes_over_floor(&[], Material::default(), "ShadowVolumeHard");
-        let bare = linear(&mut renderer, &bare, &from_above([120, 96]));
-        let differ = |a: &[f32], b: &[f32]| a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 0.02).count();
-        assert!(differ(&sorted, &bare) > 3000);
-        for (sorted, layered) in sorted.iter().zip(&layered) {
-            assert!((sorted - layered).abs() <= 2e-3 * sorted.max(1.0), "{sorted} and {layered}");
-        }
-    }
 }
 
 /// Every layer that the view has, judged.

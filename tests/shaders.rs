@@ -9,8 +9,7 @@ use shadowgraph_engine::scene::SurfaceFunction;
 const EXCLUSIVE: &[(&str, [&str; 2])] = &[
     ("surface_factor", ["COUNTS", "VISIBILITY"]),
     ("layer_images", ["COUNTS", "VISIBILITY"]),
-    ("surface_shade", ["LAYER", "MULTISAMPLED"]),
-    ("surface_shade", ["LAYER", "FARTHER"]),
+    ("surface_shade", ["FARTHER", "MULTISAMPLED"]),
 ];
 
 /// What plans, and the engine's own styles, ask of each module: at least these flags and entry points must be there,
@@ -18,7 +17,7 @@ const EXCLUSIVE: &[(&str, [&str; 2])] = &[
 const USED: &[(&str, &[&str], &[&str])] = &[
     ("average_pixels", &[], &["fullscreen_vertex", "average"]),
     ("darken_picture", &["ONE_CHANNEL"], &["fullscreen_vertex", "darken_by"]),
-    ("layer_images", &["COUNTS", "VISIBILITY"], &["fullscreen_vertex", "factor", "over"]),
+    ("layer_images", &["COUNTS", "VISIBILITY"], &["fullscreen_vertex", "factor", "rounded"]),
     ("masked_volume", &["BASE_COLOR_TEXTURE"], &["fullscreen_vertex", "darken"]),
     ("nothing", &[], &["nothing"]),
     ("penumbra_wedge", &[], &["vertex", "fullscreen_vertex", "add_share", "darken"]),
@@ -47,6 +46,7 @@ const USED: &[(&str, &[&str], &[&str])] = &[
         &["CASTERS", "CLUSTERS", "DEEP", "LONG_LISTS", "ONE_CASTER"],
         &["soft_vertex", "mark", "sampled"],
     ),
+    ("surface_before", &["BASE_COLOR_TEXTURE", "FARTHER", "SECOND_UV"], &["vertex", "before"]),
     ("surface_depth", &[], &["vertex"]),
     ("surface_factor", &["COUNTS", "VISIBILITY", "MASKED", "OWN_SHADOW"], &["vertex", "factor"]),
     (
@@ -54,21 +54,8 @@ const USED: &[(&str, &[&str], &[&str])] = &[
         &["HALVES", "MASKED", "NORMALS"],
         &["vertex", "visible_triangle", "receiver_normal if NORMALS", "triangle_and_normal if NORMALS"],
     ),
-    ("surface_nearest", &["BASE_COLOR_TEXTURE", "SECOND_UV"], &["vertex", "nearest"]),
     ("surface_peel", &["BASE_COLOR_TEXTURE", "BEHIND", "SECOND_UV"], &["vertex", "peel"]),
-    (
-        "surface_shade",
-        SHADE_FLAGS,
-        &[
-            "vertex",
-            "opaque",
-            "blended",
-            "shine_through",
-            "masked_depth",
-            "shaded_layer if LAYER",
-            "shine_through_layer if LAYER",
-        ],
-    ),
+    ("surface_shade", SHADE_FLAGS, &["vertex", "opaque", "blended", "shine_through", "masked_depth"]),
     ("transparent_panes", &["BASE_COLOR_TEXTURE"], &["fullscreen_vertex", "tint"]),
     (
         "transparent_shadow",
@@ -98,7 +85,6 @@ const SHADE_FLAGS: &[&str] = &[
     "COUNTS",
     "EMISSIVE_TEXTURE",
     "FARTHER",
-    "LAYER",
     "MANY_LIGHTS",
     "MASK",
     "MASKED",

@@ -1,4 +1,4 @@
-// What becomes of layers: the factor of one light on one of them, and all of them over the opaque picture.
+// What becomes of layers: the factor of one light on one of them, and the picture of all of them.
 
 #import common/frame
 #import common/fullscreen
@@ -12,10 +12,8 @@
 @group(1) @binding(1) var visibility: texture_2d_array<f32>;
 #endif
 
-// The picture of what is opaque, what of it passes all layers, and the layers' own light.
-@group(1) @binding(2) var behind: texture_2d<f32>;
-@group(1) @binding(3) var passed: texture_2d<f32>;
-@group(1) @binding(4) var light_of_layers: texture_2d<f32>;
+// What all layers were blended into.
+@group(1) @binding(2) var picture: texture_2d<f32>;
 
 // The factor on this layer: 1 lit, 0 dark; 1 where there is none.
 @fragment
@@ -37,10 +35,8 @@ fn factor(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return vec4f(result, 1.0);
 }
 
+// The target rounds it.
 @fragment
-fn over(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let pixel = vec2u(position.xy);
-    let picture = textureLoad(behind, pixel, 0);
-    let color = picture.rgb * textureLoad(passed, pixel, 0).rgb + textureLoad(light_of_layers, pixel, 0).rgb;
-    return vec4f(color, picture.a);
+fn rounded(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    return textureLoad(picture, vec2u(position.xy), 0);
 }

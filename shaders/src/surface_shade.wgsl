@@ -2,17 +2,12 @@
 // Flags leave out what a material does not have, and the loop for one light: software adapters run both sides of
 // every branch, and loops with a mask.
 // With SURFACE_FUNCTION a material's own text follows, which defines `reflected` and `outgoing`.
-// With LAYER it shades one layer of transparent surfaces, whose triangles are known: see surface_peel.
 
 #import common/frame
 #import common/lights
 #import common/material
 #import common/surface
 #import common/tone
-#if LAYER
-#import common/attributes
-#import common/positions
-#endif
 
 @group(2) @binding(2) var metallic_roughness_texture: texture_2d<f32>;
 @group(2) @binding(3) var emissive_texture: texture_2d<f32>;
@@ -24,22 +19,6 @@
 @group(2) @binding(9) var normal_sampler: sampler;
 @group(2) @binding(10) var occlusion_sampler: sampler;
 
-#if LAYER
-@group(1) @binding(1) var<storage, read> indices: array<u32>;
-// Instance and triangle of the layer at every pixel.
-@group(1) @binding(3) var layer_triangles: texture_2d<u32>;
-// What the layers before it let pass.
-@group(1) @binding(4) var passed_before: texture_2d<f32>;
-#if COUNTS
-@group(1) @binding(5) var counts: texture_2d<u32>;
-#endif
-#if MASK
-@group(1) @binding(6) var mask: texture_2d_array<f32>;
-#endif
-#if VISIBILITY
-@group(1) @binding(7) var visibility: texture_2d_array<f32>;
-#endif
-#else
 #if MULTISAMPLED
 #if COUNTS
 @group(1) @binding(0) var counts: texture_multisampled_2d<u32>;
@@ -60,11 +39,10 @@
 #if VISIBILITY
 @group(1) @binding(2) var visibility: texture_2d_array<f32>;
 #endif
-#endif
 
 #if FARTHER
 // The nearest transparent surface at every pixel: only what is behind it is drawn.
-@group(1) @binding(10) var nearest_depth: texture_depth_2d;
+@group(1) @binding(9) var nearest_depth: texture_depth_2d;
 #endif
 
 #if TINTED
@@ -78,11 +56,7 @@ struct TintedFactor {
     pad_0: u32,
     pad_1: u32,
 }
-#if LAYER
-@group(1) @binding(12) var<storage, read> tints: array<TintedFactor>;
-#else
 @group(1) @binding(7) var<storage, read> tints: array<TintedFactor>;
-#endif
 #endif
 
 struct Varyings {
@@ -97,16 +71,10 @@ struct Varyings {
 #if SMOOTH_TERMINATOR
     @location(5) @interpolate(flat, first) smooth_terminators: u32,
 #endif
-#if LAYER
-    @location(6) @interpolate(flat, first) triangle: vec2u,
-#endif
 }
 
 @vertex
 fn vertex(
-#if LAYER
-    @builtin(vertex_index) corner: u32,
-#else
     @location(0) position: vec3f,
     @location(1) normal: vec3f,
     @location(2) uv: vec2f,
@@ -114,14 +82,8 @@ fn vertex(
 #if SECOND_UV
     @location(4) second_uv: vec2f,
 #endif
-#endif
     @builtin(instance_index) instance: u32,
 ) -> Varyings {
-#if LAYER
-    let index = indices[corner];
-    let position = local_position(index);
-    let normal = vertex_normal(index);
-#endif
     let i = instances[instance];
     let n = vec3f(dot(i.normal_x.xyz, normal), dot(i.normal_y.xyz, normal), dot(i.normal_z.xyz, normal));
     var out: Varyings;
@@ -129,13 +91,6 @@ fn vertex(
     out.p_in_view = view_from_local(instance, position);
     out.normal_in_view = n;
     out.receives = i.flags & 1u;
-#if LAYER
-    out.triangle = vec2u(instance, corner / 3u);
-    out.uvs = vertex_uvs(index);
-#if VERTEX_COLOR
-    out.color = vertex_color(index);
-#endif
-#else
 #if SECOND_UV
     out.uvs = vec4f(uv, second_uv);
 #else
@@ -143,7 +98,6 @@ fn vertex(
 #endif
 #if VERTEX_COLOR
     out.color = color;
-#endif
 #endif
 #if SMOOTH_TERMINATOR
     out.smooth_terminators = i.smooth_terminators;
@@ -459,33 +413,6 @@ fn shine_through(in: Varyings) -> @location(0) vec4f {
 #endif
     return vec4f(seen_through(base), 1.0);
 }
-
-#if LAYER
-fn is_of_layer(in: Varyings) -> bool {
-    return all(textureLoad(layer_triangles, vec2u(in.clip.xy), 0).xy == in.triangle);
-}
-
-// A layer's own light, as much of it as passes the layers before it.
-@fragment
-fn shaded_layer(in: Varyings) -> @location(0) vec4f {
-    let color = shade(in);
-    if !is_of_layer(in) {
-        discard;
-    }
-    let passed = textureLoad(passed_before, vec2u(in.clip.xy), 0).rgb;
-    return vec4f(color.rgb * covered_share(color.a) * passed, 1.0);
-}
-
-// What of the picture behind passes a layer.
-@fragment
-fn shine_through_layer(in: Varyings) -> @location(0) vec4f {
-    let base = base_color(in);
-    if !is_of_layer(in) {
-        discard;
-    }
-    return vec4f(seen_through(base), 1.0);
-}
-#endif
 
 // Depth only, with the holes of an alpha mask.
 @fragment

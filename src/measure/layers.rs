@@ -11,7 +11,7 @@ use shadowgraph_engine::gpu::Timing;
 use shadowgraph_engine::manager::{FrameRequest, RenderOptions, Renderer};
 use shadowgraph_engine::plan::Antialias;
 use shadowgraph_engine::scene::{PosedCamera, Scene};
-use shadowgraph_engine::shadow::{Layers, Registry};
+use shadowgraph_engine::shadow::{Layer, Layers, Registry};
 
 use super::evaluate::{layer_measured, queries};
 use super::glass::SAME_FACTOR;
@@ -112,6 +112,35 @@ impl Reference {
         layers: Range<u32>,
         progress: &Progress<'_>,
     ) -> Vec<ReferenceImage> {
+        let chosen = Chosen { from_behind: false, skipped: layers.start as usize, count: layers.len() };
+        self.render_chosen((camera, size_px, antialias), lights, &chosen, progress)
+    }
+
+    /// What is seen, and every light's factor, on one of the transparent surfaces before the opaque one.
+    pub fn render_layer(
+        &self,
+        camera: &PosedCamera,
+        size_px: [u32; 2],
+        lights: &[LightQuery],
+        layer: Layer,
+    ) -> ReferenceImage {
+        let (from_behind, number) = match layer {
+            Layer::FromEye(number) => (false, number),
+            Layer::FromBehind(number) => (true, number),
+        };
+        let chosen = Chosen { from_behind, skipped: number as usize, count: 1 };
+        let view = (camera, size_px, Antialias::None);
+        self.render_chosen(view, lights, &chosen, &|_, _| {}).pop().unwrap_or_default()
+    }
+
+    /// Judges those surfaces of each pixel that are `chosen`.
+    fn render_chosen(
+        &self,
+        (camera, size_px, antialias): (&PosedCamera, [u32; 2], Antialias),
+        lights: &[LightQuery],
+        chosen: &Chosen,
+        progress: &Progress<'_>,
+    ) -> Vec<ReferenceImage> {
         let view = View::new(camera, antialias.drawn_size_px(size_px));
         let size_px = antialias.factor_size_px(size_px);
         let queries = self.resolve(lights);
@@ -122,22 +151,21 @@ impl Reference {
                 let (from, direction) = view.ray(place);
                 let projection = &camera.projection;
                 let t_end = view.first_hit(&mut tracer, place).map_or(projection.far_m(), |(_, t)| t);
-                let seen = tracer.layers(from, direction, projection.near_m(), t_end);
-                let seen = seen.into_iter().skip(layers.start as usize).take(layers.len());
-                seen.map(|(surface, t)| {
+                let seen = chosen.of(tracer.layers(from, direction, projection.near_m(), t_end));
+                let judged = seen.map(|(surface, t)| {
                     let moved = Moved::on(surface, &view, place, t);
                     let judged = |query: &Query| {
                         let light = self.lights[query.light].position;
                         query.judge_layer(&mut tracer, &moved, surface.facing(light) != 0)
                     };
                     (moved.hit, queries.iter().map(judged).collect())
-                })
-                .collect()
+                });
+                judged.collect()
             };
             (0..size_px[0]).map(pixel).collect::<Vec<Vec<LayerPixel>>>()
         })
         .concat();
-        (0..layers.len()).map(|layer| self.layer_image(size_px, &queries, &rows, layer)).collect()
+        (0..chosen.count).map(|layer| self.layer_image(size_px, &queries, &rows, layer)).collect()
     }
 
     /// One layer of what was judged.
@@ -162,6 +190,25 @@ impl Reference {
         });
         let hits = pixels.iter().map(|pixel| pixel.get(layer).map(|(hit, _)| *hit)).collect();
         ReferenceImage { size_px, hits, lights: lights.collect() }
+    }
+}
+
+/// Which of the surfaces at a pixel.
+struct Chosen {
+    /// Whether they are counted from behind, and the nearest is left out.
+    from_behind: bool,
+    skipped: usize,
+    count: usize,
+}
+
+impl Chosen {
+    /// Those of `seen`, which has the nearest first.
+    fn of<T>(&self, mut seen: Vec<T>) -> impl Iterator<Item = T> + use<T> {
+        if self.from_behind {
+            seen.reverse();
+            seen.pop();
+        }
+        seen.into_iter().skip(self.skipped).take(self.count)
     }
 }
 

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use shadowgraph_engine::plan::{
-    Antialias, Binding, BufferUsage, CompareFunction, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader,
+    Binding, BufferUsage, CompareFunction, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader,
 };
 use shadowgraph_engine::scene::{Instance, ParamValue, Params};
 use shadowgraph_engine::shadow::{
@@ -146,12 +146,7 @@ impl ShadowTechnique for ReferenceShadow {
             let (reference, camera, size_px) = (Reference::new(posed), &view.camera, view.size_px);
             let image = match layer {
                 None => reference.render(camera, size_px, &[query], &|_, _| {}),
-                Some(layer) => {
-                    let (layers, antialias) = (layer..layer + 1, Antialias::None);
-                    let images =
-                        reference.render_layers(camera, size_px, antialias, &[query], layers, &|_, _| {});
-                    images.into_iter().next().unwrap_or_default()
-                }
+                Some(layer) => reference.render_layer(camera, size_px, &[query], layer),
             };
             let factor = image.lights.into_iter().next().map(|light| light.factor).unwrap_or_default();
             // Where nothing is hit, nothing is shaded.

@@ -47,15 +47,15 @@ impl Assembly<'_> {
         segments: Vec<Segment>,
         visibilities: u32,
         weight: Option<f64>,
-        layers: Option<Layered>,
+        mut layers: Option<Layered>,
     ) -> Result<FramePlan, FrameError> {
         let parts = |s: &Segment| [&s.shaded[..], &s.after[..], s.alone.as_slice()].concat();
         let all: Vec<Part> = segments.iter().flat_map(parts).collect();
         let counted = segments.iter().flat_map(|s| &s.shaded).filter(|part| part.is_counted()).count() as u32;
         let counting = all.iter().filter(|part| part.counts).count() as u32;
         let shadowed = all.iter().any(|part| !part.passes.is_empty());
-        let on_layers = layers.iter().flat_map(|layers| &layers.segments).flatten();
-        let widest = segments.iter().chain(on_layers).filter_map(|s| s.visibility).max();
+        let on_layers = layers.as_mut().and_then(Layered::widest);
+        let widest = segments.iter().filter_map(|s| s.visibility).max().max(on_layers);
         self.size_visibility(visibilities, widest);
         if counting > 0 {
             let slot = &mut self.b.slots[self.depth.0];
@@ -133,8 +133,8 @@ impl Assembly<'_> {
             });
         }
         let finished = self.drawn;
-        if layers.as_ref().is_some_and(|layers| !layers.nearest_only) {
-            self.drawn = self.picture_behind_layers();
+        if let Some(layers) = &layers {
+            self.draw_in_layers(layers);
         }
         self.shading(prepass, counting > 0, mask, &lights, layers.is_some());
         for (light, part) in apart {
@@ -146,13 +146,10 @@ impl Assembly<'_> {
         }
         let (mut layer_count, mut layer_triangles) = (0, vec![]);
         if let Some(layers) = layers {
-            layer_count = layers.segments.len() as u32;
-            layer_triangles.clone_from(&layers.kept_triangles);
-            if layers.nearest_only {
-                self.draw_nearest(layers, mask, &mut lights);
-            } else {
-                self.draw_layers(layers, mask, finished, &mut lights);
-            }
+            layer_count = layers.count();
+            layer_triangles =
+                layers.looked_at.iter().filter(|layer| layer.kept).map(|layer| layer.triangles).collect();
+            self.draw_layers(layers, mask, finished, &mut lights);
         }
         self.finish_picture();
         let Self { b, picture, request, .. } = self;

@@ -10,7 +10,9 @@ use super::surface_functions;
 use super::surfaces::{Surfaces, receiver_bounds};
 use crate::plan::{ALL_TAKEN, Antialias, FramePlan, PlanBuilder, SlotId, SlotKind};
 use crate::scene::{Posed, PosedLight};
-use crate::shadow::{Cache, Channels, Claim, Darkening, Layers, LightPlan, Registry, ShadowError, View};
+use crate::shadow::{
+    Cache, Channels, Claim, Darkening, Layer, Layers, LightPlan, Registry, ShadowError, View,
+};
 
 /// Plans one frame of `posed`. Needs no device.
 ///
@@ -174,7 +176,7 @@ pub(super) struct Planner<'a> {
 pub(super) struct Receivers {
     pub(super) depth: SlotId,
     /// Which layer of transparent surfaces; `None` for the opaque ones.
-    pub(super) layer: Option<u32>,
+    pub(super) layer: Option<Layer>,
 }
 
 impl Planner<'_> {
@@ -191,7 +193,7 @@ impl Planner<'_> {
             let light = &self.posed.lights[index];
             let falls = match receivers.layer {
                 None => true,
-                Some(0) => self.registry.receiver_layers(index) >= Layers::First,
+                Some(Layer::FromEye(0)) => self.registry.receiver_layers(index) >= Layers::First,
                 Some(_) => self.registry.receiver_layers(index) == Layers::All,
             };
             if claims.is_empty() {
@@ -281,7 +283,7 @@ impl Planner<'_> {
     /// [`ShadowError::LayersDiffer`] for a light that has other parts on some layer.
     fn join(&self, opaque: &mut [Segment], layered: &mut Layered) -> Result<(), ShadowError> {
         for (index, segment) in opaque.iter_mut().enumerate() {
-            let on_layers = layered.segments.iter_mut().map(|segments| &mut segments[index]).collect();
+            let on_layers = layered.segments().map(|segments| &mut segments[index]).collect();
             if !segments::join(segment, on_layers, self.visibility) {
                 let light = self.posed.lights[index].name.clone();
                 return Err(ShadowError::LayersDiffer { light });

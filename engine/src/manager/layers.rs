@@ -1,52 +1,74 @@
-//! Transparent surfaces that shadows fall on, drawn layer by layer.
+//! Transparent surfaces that shadows fall on, drawn in the order of every pixel.
 //!
-//! At every pixel the transparent surfaces before the opaque one are ordered by depth, and where surfaces pass through
-//! one another each pixel by itself. A *layer* is the n-th of them at every pixel, nearest first. The next layer is peeled
-//! off (the nearest surface behind the last one), the lights' techniques plan for its depth as they did for the opaque
-//! surfaces, and it is shaded. What the layers before it let pass is kept as a product of red, green and blue, so that
-//! in the end light of layers + product · opaque picture is the finished one: nothing is blended in a wrong order.
+//! At every pixel the transparent surfaces before the opaque one are ordered by depth, and where surfaces pass through one
+//! another each pixel by itself. The *nearest* of them is found first, as a depth of its own. Then the *farther* ones come
+//! as layers, from behind: the farthest that is before the last layer and behind the nearest is found, as a depth; the
+//! lights' techniques plan for it as they did for the opaque surfaces; it is shaded with their factors and blended over the
+//! picture. The nearest comes last. So nothing is blended in a wrong order, and surfaces at one depth, which are in one
+//! place and so in one shadow, are one layer, blended in the order of drawing.
 //!
-//! Where shadows fall on the nearest surface only, there is one layer: see [`super::nearest_layer`].
+//! Where shadows fall on the nearest surface only (Kim, Kim & Turk, section 6), those behind it are blended without shadows,
+//! far to near by their middles (see [`super::sorted`]): a depth, a count and a blend is all it adds.
 //!
 //! Memory does not grow with the number of layers, passes do. There are as many layers as the view may need
-//! ([`super::layer_count`]); none of this is in the plan if no technique asks for layers, or nothing transparent is in view.
+//! ([`super::layer_count`]); none of this is in the plan if no technique asks for layers, or nothing transparent is in
+//! view. Factors on layers, numbered from the eye, are images on demand: see [`super::layer_images`].
 
 use wgpu::TextureFormat;
 
 use super::assembly::{Assembly, engine_shader};
 use super::frame::{Planner, Receivers, Seen};
 use super::layer_count::most_layers;
+use super::layer_images::LookedAt;
 use super::request::{FrameError, FrameRequest};
 use super::segments::{Part, Segment};
+use super::sorted::Sorted;
 use super::surfaces::Surfaces;
 use crate::plan::{
-    Access, Antialias, Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, ColorTarget,
-    CompareFunction, DepthTarget, Draw, DrawState, FactorAt, Geometry, LightPlanned, Load, MULTIPLY, Pass,
-    PlanBuilder, SlotId, SlotKind, SurfaceStyle,
+    Access, Antialias, Binding, BlendState, ColorTarget, CompareFunction, DepthTarget, Draw, DrawState,
+    Geometry, LightPlanned, Load, Pass, PlanBuilder, SlotId, SlotKind, SurfaceStyle,
 };
-use crate::shadow::{Layers, hash_of};
-
-/// How far the numbers of a layer's factors lie behind those of an opaque surface's: see [`SurfaceStyle::Layer`].
-const LAYER_COUNTS: u32 = 5;
+use crate::shadow::{Layer, Layers, hash_of};
 
 /// The most layers a frame draws: each takes its passes, and so does each light on it.
 const MAX_LAYERS: u32 = 1024;
 
-/// The layers of a frame and what the lights' techniques planned for them.
-#[derive(Default)]
+/// Transparent surfaces, one at a pixel, and what the lights' techniques planned for them.
+pub(super) struct Receiving {
+    pub(super) depth: SlotId,
+    /// For each light.
+    pub(super) segments: Vec<Segment>,
+}
+
+/// The layers of a frame.
 pub(super) struct Layered {
-    /// The depth of even and of odd layers.
-    pub(super) depths: Vec<SlotId>,
-    /// For each layer its instance and triangle at every pixel, where these are drawn.
-    pub(super) triangles: Vec<Option<SlotId>>,
-    /// Those that were asked for.
-    pub(super) kept_triangles: Vec<SlotId>,
-    /// The normals of the layer that is being drawn, when a technique asks for them.
-    normals: Option<SlotId>,
-    /// For each layer, for each light.
-    pub(super) segments: Vec<Vec<Segment>>,
-    /// Whether no light's shadows fall on any but the first.
-    pub(super) nearest_only: bool,
+    nearest: Receiving,
+    /// Those behind it, the farthest first; empty where no light's shadows fall on them.
+    farther: Vec<Receiving>,
+    /// Whether there may be any behind it.
+    only_one: bool,
+    /// What techniques ask to know about the layer that is being drawn.
+    seen: Seen,
+    /// Those whose factors were asked for as images, or that lie before such: the nearest first.
+    pub(super) looked_at: Vec<LookedAt>,
+}
+
+impl Layered {
+    /// How many layers are drawn with shadows.
+    pub(super) fn count(&self) -> u32 {
+        self.farther.len() as u32 + 1
+    }
+
+    /// What is planned for each of them, and for each that is looked at.
+    pub(super) fn segments(&mut self) -> impl Iterator<Item = &mut Vec<Segment>> {
+        let drawn = std::iter::once(&mut self.nearest).chain(&mut self.farther);
+        drawn.chain(self.looked_at.iter_mut().map(|layer| &mut layer.receiving)).map(|r| &mut r.segments)
+    }
+
+    /// The widest visibility that any light leaves on any layer.
+    pub(super) fn widest(&mut self) -> Option<crate::shadow::Channels> {
+        self.segments().flatten().filter_map(|segment| segment.visibility).max()
+    }
 }
 
 impl Planner<'_> {
@@ -71,46 +93,50 @@ impl Planner<'_> {
         if request.antialias == Antialias::Multisample4 {
             return Err(FrameError::MultisampledLayers { asked_by });
         }
-        let looked_at = if request.factors { request.layer_factors.end } else { 0 };
-        let nearest_only = claim.technique.receiver_layers() == Layers::First;
-        let mut layers = self.layer_count(surfaces);
-        if nearest_only {
-            // Further ones are peeled off only to be looked at.
-            layers = layers.min(looked_at.max(1));
-        }
+        let in_view = self.layer_count(surfaces);
+        let layers = match claim.technique.receiver_layers() {
+            Layers::All => in_view,
+            Layers::First | Layers::OpaqueOnly => in_view.min(1),
+        };
         if layers > MAX_LAYERS {
             return Err(FrameError::TooManyLayers { asked_by, layers, limit: MAX_LAYERS });
         }
         if layers == 0 {
             return Ok(None);
         }
-        let mut layered = Layered { nearest_only, ..Layered::default() };
-        for parity in ["even", "odd"].iter().take(layers as usize) {
-            let reason = "where shadows fall on transparent surfaces, layer by layer";
-            let name = format!("depth of {parity} layers");
-            layered.depths.push(b.texture(&name, TextureFormat::Depth32Float, 1, reason));
+        let mut seen = Seen::default();
+        let depth = |b: &mut PlanBuilder, name: &str| {
+            b.texture(name, TextureFormat::Depth32Float, 1, "where shadows fall on transparent surfaces")
+        };
+        let nearest = depth(b, "depth of the nearest layer");
+        let nearest = self.receiving(b, nearest, Layer::FromEye(0), &mut seen)?;
+        let mut farther = Vec::new();
+        let names = ["depth of even layers", "depth of odd layers"];
+        let depths: Vec<SlotId> = names.iter().take(layers as usize - 1).map(|name| depth(b, name)).collect();
+        for (layer, depth) in (1..layers).zip(depths.iter().cycle()) {
+            farther.push(self.receiving(b, *depth, Layer::FromBehind(layer - 1), &mut seen)?);
         }
-        let mut reused = [None; 2];
-        for layer in 0..layers {
-            let kept = request.factors && request.layer_factors.contains(&layer);
-            // Where the nearest layer is all there is, its depth says which it is.
-            let triangles =
-                (!nearest_only || looked_at > 0).then(|| self.layer_triangles(b, layer, kept, &mut reused));
-            layered.triangles.push(triangles);
-            layered.kept_triangles.extend(triangles.filter(|_| kept));
-            let depth = layered.depths[layer as usize % 2];
-            // What was left out here was left out of the opaque surfaces' passes too.
-            let notes = b.notes.len();
-            let receivers = Receivers { depth, layer: Some(layer) };
-            let mut seen = Seen { triangles, normals: layered.normals };
-            layered.segments.push(self.lights(b, receivers, &mut seen)?);
-            layered.normals = seen.normals;
-            b.notes.truncate(notes);
-        }
+        let looked_at = if request.factors { request.layer_factors.clone() } else { 0..0 };
+        let looked_at = self.looked_at(b, looked_at, in_view)?;
         if self.darkens.contains(&true) {
             b.note("lights that darken the finished picture leave transparent layers lit");
         }
-        Ok(Some(layered))
+        Ok(Some(Layered { nearest, farther, only_one: in_view == 1, seen, looked_at }))
+    }
+
+    /// What all lights' techniques plan for one layer.
+    pub(super) fn receiving(
+        &mut self,
+        b: &mut PlanBuilder,
+        depth: SlotId,
+        layer: Layer,
+        seen: &mut Seen,
+    ) -> Result<Receiving, FrameError> {
+        // What was left out here was left out of the opaque surfaces' passes too.
+        let notes = b.notes.len();
+        let segments = self.lights(b, Receivers { depth, layer: Some(layer) }, seen)?;
+        b.notes.truncate(notes);
+        Ok(Receiving { depth, segments })
     }
 
     /// The most layers at any pixel of this view.
@@ -124,39 +150,23 @@ impl Planner<'_> {
         let (posed, view) = (self.posed, self.view);
         *self.cache.get_or_compute("layers in view", key, || most_layers(posed, view, &surfaces.transparent))
     }
-
-    /// Where instance and triangle of a layer are drawn: what even and what odd layers share, unless they are kept.
-    fn layer_triangles(
-        &self,
-        b: &mut PlanBuilder,
-        layer: u32,
-        kept: bool,
-        reused: &mut [Option<SlotId>; 2],
-    ) -> SlotId {
-        let format = TextureFormat::Rg32Uint;
-        if kept {
-            return b.texture(&format!("triangles of layer {layer}"), format, 1, "asked for");
-        }
-        let (parity, name) = match layer % 2 {
-            0 => (0, "triangles of even layers"),
-            _ => (1, "triangles of odd layers"),
-        };
-        let reason = "of two surfaces at one depth each is a layer";
-        *reused[parity].get_or_insert_with(|| b.texture(name, format, 1, reason))
-    }
 }
 
 impl Assembly<'_> {
-    /// What the opaque picture is drawn into before layers are put over it.
-    pub(super) fn picture_behind_layers(&mut self) -> SlotId {
-        let format = match self.b.slots[self.drawn.0].kind {
-            SlotKind::Texture { format, .. } => format,
-            SlotKind::Buffer { .. } | SlotKind::Image { .. } => TextureFormat::Rgba8UnormSrgb,
+    /// What is blended into while layers are drawn: more digits than a picture of eight bits has, which every layer would
+    /// round. The picture itself where it has them, or there are no layers but one.
+    pub(super) fn draw_in_layers(&mut self, layers: &Layered) {
+        let eight_bits = match self.b.slots[self.drawn.0].kind {
+            SlotKind::Texture { format, .. } => format != TextureFormat::Rgba32Float,
+            SlotKind::Buffer { .. } | SlotKind::Image { .. } => false,
         };
-        self.b.texture("picture behind layers", format, 1, "what is opaque, seen through the layers")
+        if eight_bits && !layers.farther.is_empty() {
+            let reason = "blended into layer by layer, in more digits than pictures have";
+            self.drawn = self.b.texture("picture in layers", TextureFormat::Rgba16Float, 1, reason);
+        }
     }
 
-    /// Draws all layers, nearest first, and puts them over what was drawn, into `finished`.
+    /// Blends all layers over what was drawn, from behind, and sees to it that they are in `finished`.
     pub(super) fn draw_layers(
         &mut self,
         mut layers: Layered,
@@ -164,242 +174,160 @@ impl Assembly<'_> {
         finished: SlotId,
         lights: &mut [LightPlanned],
     ) {
-        self.count_on(&layers);
-        let half = TextureFormat::Rgba16Float;
-        let passed = self.b.texture("passed by layers", half, 1, "what all layers so far let pass");
-        let light = self.b.texture("light of layers", half, 1, "what they add themselves");
-        let clear =
-            |slot, value: f64| ColorTarget { slot, layer: 0, load: Load::Clear([value; 4]), resolve: None };
-        self.b.passes.push(Pass {
-            name: "no layer yet".into(),
-            reason: "everything passes, nothing is added".into(),
-            colors: vec![clear(passed, 1.0), clear(light, 0.0)],
-            depth: None,
-            draws: vec![],
-        });
+        self.count_on(&mut layers);
         let opaque_depth = self.depth;
-        let mut last = None;
-        for layer in 0..layers.segments.len() {
-            let first_pass = self.b.passes.len();
-            let shadowed = self.layer(&mut layers, layer, (opaque_depth, last), mask, lights);
-            let Some(triangles) = layers.triangles[layer] else { continue };
-            // At the numbers that layers' draws have for them.
-            let factors = if shadowed { self.factor_bindings(mask, lights) } else { vec![] };
-            let factors =
-                factors.into_iter().map(|(number, binding)| (number + LAYER_COUNTS, binding)).collect();
-            self.shade_layer(triangles, (passed, light), factors);
-            for pass in &mut self.b.passes[first_pass..] {
-                pass.name += &format!(" on layer {layer}");
-            }
-            last = Some((self.depth, triangles));
+        let Layered { nearest, farther, only_one, seen, looked_at } = layers;
+        let nearest_depth = nearest.depth;
+        self.on_layer("on the nearest layer", |assembly| {
+            let reason = "where the nearest transparent surface is";
+            assembly.depth_before(nearest_depth, opaque_depth, None, reason);
+        });
+        if farther.is_empty() && !only_one {
+            self.depth = opaque_depth;
+            let reason = "all transparent surfaces but the nearest, lit without shadows, far to near";
+            let sorted = Sorted { behind: Some(nearest_depth), ..Sorted::all() };
+            self.blend("farther surfaces", reason, &sorted);
         }
+        let mut behind = opaque_depth;
+        for (layer, receiving) in farther.into_iter().enumerate() {
+            let depth = receiving.depth;
+            self.on_layer(&format!("on layer {layer} from behind"), |assembly| {
+                let reason = "the farthest transparent surface before the last layer";
+                assembly.depth_before(depth, behind, Some(nearest_depth), reason);
+                assembly.shade(receiving, &seen, mask, lights);
+            });
+            behind = depth;
+        }
+        self.on_layer("on the nearest layer", |assembly| assembly.shade(nearest, &seen, mask, lights));
         self.depth = opaque_depth;
-        let mut draw = self
-            .resolve_draw("over", DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]));
-        draw.shader = Some(engine_shader("layer_images", &[], "fullscreen_vertex", Some("over")));
-        draw.bindings =
-            [(2, self.drawn), (3, passed), (4, light)].map(|(n, slot)| (n, Binding::Texture(slot))).into();
+        self.look_at(looked_at, lights);
+        if self.drawn != finished {
+            self.round_to(finished);
+        }
+    }
+
+    /// Adds passes, and says of each what it is on.
+    fn on_layer(&mut self, place: &str, add: impl FnOnce(&mut Self)) {
+        let first = self.b.passes.len();
+        add(self);
+        for pass in &mut self.b.passes[first..] {
+            pass.name = format!("{} {place}", pass.name);
+        }
+    }
+
+    /// Gives the depths of layers a stencil where something counts in it.
+    fn count_on(&mut self, layers: &mut Layered) {
+        let counts = |part: &Part| part.counts;
+        let mut segments = layers.segments().flatten();
+        if !segments.any(|segment| segment.shaded.iter().chain(&segment.alone).any(counts)) {
+            return;
+        }
+        drop(segments);
+        let drawn = std::iter::once(&layers.nearest).chain(&layers.farther);
+        for receiving in drawn.chain(layers.looked_at.iter().map(|layer| &layer.receiving)) {
+            if let SlotKind::Texture { format, .. } = &mut self.b.slots[receiving.depth.0].kind {
+                *format = TextureFormat::Depth32FloatStencil8;
+            }
+        }
+    }
+
+    /// Draws into `depth`, which becomes `self.depth`: of all transparent surfaces before `behind` the nearest, or else the
+    /// farthest of those that are behind the `nearest`.
+    fn depth_before(&mut self, depth: SlotId, behind: SlotId, nearest: Option<SlotId>, reason: &str) {
+        self.depth = depth;
+        let mut bindings = vec![(0, Binding::Texture(behind))];
+        bindings.extend(nearest.map(|nearest| (9, Binding::Texture(nearest))));
+        let (compare, nothing) = match nearest {
+            None => (CompareFunction::Greater, 0.0),
+            Some(_) => (CompareFunction::Less, 1.0),
+        };
+        let mut state = DrawState::new(compare, vec![]);
+        state.depth_write = true;
+        let stencil = self.depth_read().stencil.map(|_| Access::Clear(0.0));
         self.b.passes.push(Pass {
-            name: "layers over the picture".into(),
-            reason: "what passes all layers, and their own light".into(),
-            colors: vec![clear(finished, 0.0)],
+            name: "depth".into(),
+            reason: reason.into(),
+            colors: vec![],
+            depth: Some(DepthTarget { slot: depth, depth: Access::Clear(nothing), stencil }),
+            draws: vec![self.transparent_draw("transparent surfaces", SurfaceStyle::Before, state, bindings)],
+        });
+    }
+
+    /// Adds the lights' passes for the layer whose depth is `self.depth`, and blends it over the picture.
+    fn shade(
+        &mut self,
+        receiving: Receiving,
+        seen: &Seen,
+        mask: Option<SlotId>,
+        lights: &mut [LightPlanned],
+    ) {
+        self.depth = receiving.depth;
+        let shadowed = receiving.segments.iter().any(Segment::draws);
+        if shadowed {
+            self.seen_on_layer(seen);
+            let mut bits = 0;
+            for (segment, light) in receiving.segments.into_iter().zip(&*lights) {
+                for part in &segment.shaded {
+                    self.passes_of(part, &light.name);
+                    if let (Some(mask), true) = (mask, part.is_counted()) {
+                        self.b.passes.push(self.resolve_to_mask(&light.name, mask, bits));
+                        bits += 1;
+                    }
+                }
+            }
+        }
+        let factors = if shadowed { self.factor_bindings(mask, lights) } else { vec![] };
+        let sorted = Sorted { compare: CompareFunction::Equal, behind: None, factors };
+        self.blend("shading", "blended over what is behind it, with the shadows on it", &sorted);
+    }
+
+    /// What techniques ask to know about the layer whose depth is `self.depth`.
+    pub(super) fn seen_on_layer(&mut self, seen: &Seen) {
+        let (name, fragment, flags): (_, _, &[&str]) = match (seen.triangles, seen.normals) {
+            (None, None) => return,
+            (Some(_), None) => ("visible triangles", "visible_triangle", &[]),
+            (None, Some(_)) => ("receiver normals", "receiver_normal", &["NORMALS"]),
+            (Some(_), Some(_)) => {
+                ("visible triangles and receiver normals", "triangle_and_normal", &["NORMALS"])
+            }
+        };
+        let nothing = f64::from(u32::MAX);
+        let color = |slot, clear| ColorTarget { slot, layer: 0, load: Load::Clear(clear), resolve: None };
+        let triangles = seen.triangles.map(|slot| color(slot, [nothing, nothing, 0.0, 0.0]));
+        let colors: Vec<_> =
+            triangles.into_iter().chain(seen.normals.map(|slot| color(slot, [0.0; 4]))).collect();
+        let targets = vec![Some(BlendState::REPLACE); colors.len()];
+        let state = DrawState::new(CompareFunction::Equal, targets);
+        let mut draw = self.transparent_draw("transparent surfaces", SurfaceStyle::Pulled, state, vec![]);
+        draw.shader = Some(engine_shader("surface_measure", flags, "vertex", Some(fragment)));
+        self.b.passes.push(Pass {
+            name: name.into(),
+            reason: "a technique asks what it is that each pixel shows".into(),
+            colors,
+            depth: Some(self.depth_read()),
+            draws: vec![draw],
+        });
+    }
+
+    /// The finished picture, in the digits it has.
+    fn round_to(&mut self, finished: SlotId) {
+        let state = DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]);
+        let mut draw = self.resolve_draw("rounded", state);
+        draw.shader = Some(engine_shader("layer_images", &[], "fullscreen_vertex", Some("rounded")));
+        draw.bindings = vec![(2, Binding::Texture(self.drawn))];
+        self.b.passes.push(Pass {
+            name: "picture of all layers".into(),
+            reason: "in the digits that it was asked for".into(),
+            colors: vec![ColorTarget {
+                slot: finished,
+                layer: 0,
+                load: Load::Clear([0.0; 4]),
+                resolve: None,
+            }],
             depth: None,
             draws: vec![draw],
         });
         self.drawn = finished;
-    }
-
-    /// Gives the depths of layers a stencil where something counts in it.
-    pub(super) fn count_on(&mut self, layers: &Layered) {
-        let mut parts =
-            layers.segments.iter().flatten().flat_map(|segment| segment.shaded.iter().chain(&segment.alone));
-        if parts.any(|part| part.counts) {
-            for depth in &layers.depths {
-                if let SlotKind::Texture { format, .. } = &mut self.b.slots[depth.0].kind {
-                    *format = TextureFormat::Depth32FloatStencil8;
-                }
-            }
-        }
-    }
-
-    /// Finds layer number `layer` behind the `last` one and plans all lights for it; says whether any shadow falls on it.
-    /// `self.depth` is its depth then.
-    pub(super) fn layer(
-        &mut self,
-        layers: &mut Layered,
-        layer: usize,
-        (opaque_depth, last): (SlotId, Option<(SlotId, SlotId)>),
-        mask: Option<SlotId>,
-        lights: &mut [LightPlanned],
-    ) -> bool {
-        let (triangles, segments) = (layers.triangles[layer], std::mem::take(&mut layers.segments[layer]));
-        self.depth = layers.depths[layer % 2];
-        match triangles {
-            Some(triangles) => self.peel(opaque_depth, last, triangles),
-            None => self.nearest_depth(opaque_depth),
-        }
-        let draws = |part: &Part| part.passes.iter().any(|pass| !pass.draws.is_empty());
-        let shadowed = segments.iter().any(|segment| segment.shaded.iter().any(draws));
-        if let (Some(normals), true) = (layers.normals, shadowed) {
-            self.layer_normals(normals);
-        }
-        self.shadows_on_layer((layer as u32, triangles), (segments, shadowed), mask, lights);
-        shadowed
-    }
-
-    /// Finds the next layer: its depth into `self.depth`, instance and triangle into `triangles`.
-    fn peel(&mut self, opaque_depth: SlotId, last: Option<(SlotId, SlotId)>, triangles: SlotId) {
-        let mut flags = vec!["BASE_COLOR_TEXTURE", "SECOND_UV"];
-        let mut bindings = vec![(3, Binding::Texture(opaque_depth))];
-        if let Some((last_depth, last_triangles)) = last {
-            flags.push("BEHIND");
-            bindings.extend([(4, Binding::Texture(last_depth)), (5, Binding::Texture(last_triangles))]);
-        }
-        let mut state = DrawState::new(CompareFunction::Greater, vec![Some(BlendState::REPLACE)]);
-        state.depth_write = true;
-        let shader = engine_shader("surface_peel", &flags, "vertex", Some("peel"));
-        let stencil = self.depth_read().stencil.map(|_| Access::Clear(0.0));
-        let nothing = f64::from(u32::MAX);
-        self.b.passes.push(Pass {
-            name: "peel".into(),
-            reason: "the nearest transparent surface behind the last layer".into(),
-            colors: vec![ColorTarget {
-                slot: triangles,
-                layer: 0,
-                load: Load::Clear([nothing, nothing, 0.0, 0.0]),
-                resolve: None,
-            }],
-            depth: Some(DepthTarget { slot: self.depth, depth: Access::Clear(0.0), stencil }),
-            draws: vec![Draw {
-                shader: Some(shader),
-                ..self.transparent_draw("transparent surfaces", SurfaceStyle::PulledMasked, state, bindings)
-            }],
-        });
-    }
-
-    /// The normals of the layer whose depth is `self.depth`.
-    fn layer_normals(&mut self, normals: SlotId) {
-        let state = DrawState::new(CompareFunction::Equal, vec![Some(BlendState::REPLACE)]);
-        let shader = engine_shader("surface_measure", &["NORMALS"], "vertex", Some("receiver_normal"));
-        let load = Load::Clear([0.0; 4]);
-        self.b.passes.push(Pass {
-            name: "receiver normals".into(),
-            reason: "a technique asks which way each pixel's surface faces".into(),
-            colors: vec![ColorTarget { slot: normals, layer: 0, load, resolve: None }],
-            depth: Some(self.depth_read()),
-            draws: vec![Draw {
-                shader: Some(shader),
-                ..self.transparent_draw("transparent surfaces", SurfaceStyle::Pulled, state, vec![])
-            }],
-        });
-    }
-
-    /// The passes of every light for one layer; factor images where they were asked for.
-    fn shadows_on_layer(
-        &mut self,
-        (layer, triangles): (u32, Option<SlotId>),
-        (segments, shadowed): (Vec<Segment>, bool),
-        mask: Option<SlotId>,
-        lights: &mut [LightPlanned],
-    ) {
-        let kept = self.request.factors && self.request.layer_factors.contains(&layer);
-        let triangles = triangles.filter(|_| kept);
-        let mut bits = 0;
-        for (segment, light) in segments.into_iter().zip(lights) {
-            let name = &light.name;
-            let wanted = triangles.filter(|_| segment.claimed);
-            let mut image = None;
-            if let (Some(part), Some(triangles), true) = (segment.alone, wanted, shadowed) {
-                self.passes_of(&part, name);
-                image = Some(self.layer_factor_image((layer, triangles), name, part.place()));
-                if part.is_counted() {
-                    self.b.passes.push(self.forget_counts(name));
-                }
-            }
-            for part in segment.shaded.iter().filter(|_| shadowed) {
-                self.passes_of(part, name);
-                if let (Some(triangles), None) = (wanted, image) {
-                    image = Some(self.layer_factor_image((layer, triangles), name, part.place()));
-                }
-                if let (Some(mask), true) = (mask, part.is_counted()) {
-                    self.b.passes.push(self.resolve_to_mask(name, mask, bits));
-                    bits += 1;
-                }
-            }
-            if let (Some(triangles), None) = (wanted, image) {
-                image = Some(self.layer_factor_image((layer, triangles), name, FactorAt::Lit));
-            }
-            light.layer_factor_images.extend(image);
-        }
-    }
-
-    /// The factor of one light on a layer as a linear image.
-    fn layer_factor_image(
-        &mut self,
-        (layer, triangles): (u32, SlotId),
-        light: &str,
-        factor: FactorAt,
-    ) -> SlotId {
-        let mut bindings = vec![(0, Binding::Texture(triangles))];
-        let (mut flags, mut format): (&[&str], _) = (&[], TextureFormat::R32Float);
-        match factor {
-            FactorAt::Counts | FactorAt::MaskBit(_) => {
-                bindings.push((1, Binding::StencilOf(self.depth)));
-                flags = &["COUNTS"];
-            }
-            FactorAt::Visibility(layer) => {
-                bindings.push((1, Binding::TextureLayer(self.visibility, layer)));
-                flags = &["VISIBILITY"];
-                if matches!(
-                    self.b.slots[self.visibility.0].kind,
-                    SlotKind::Texture { format: TextureFormat::Rgba16Float, .. }
-                ) {
-                    format = TextureFormat::Rgba32Float;
-                }
-            }
-            FactorAt::Lit | FactorAt::Darkening => {}
-        }
-        let name = format!("factor of {light}");
-        let slot = self.b.texture(&format!("{name} on layer {layer}"), format, 1, "asked for");
-        let state = DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]);
-        let mut draw = self.resolve_draw("factor", state);
-        draw.shader = Some(engine_shader("layer_images", flags, "fullscreen_vertex", Some("factor")));
-        draw.bindings = bindings;
-        self.b.passes.push(Pass {
-            name,
-            reason: "the factor on this layer was asked for as an image".into(),
-            colors: vec![ColorTarget { slot, layer: 0, load: Load::Clear([1.0; 4]), resolve: None }],
-            depth: None,
-            draws: vec![draw],
-        });
-        slot
-    }
-
-    /// Adds one layer's own light to that of the layers before it, and takes from what passes what it does not let pass.
-    fn shade_layer(
-        &mut self,
-        triangles: SlotId,
-        (passed, light): (SlotId, SlotId),
-        factors: Vec<(u32, Binding)>,
-    ) {
-        let own = (3, Binding::Texture(triangles));
-        let mut bindings = vec![own, (4, Binding::Texture(passed))];
-        bindings.extend(factors);
-        let pass = |name: &str, reason: &str, slot, draw, depth| Pass {
-            name: name.into(),
-            reason: reason.into(),
-            colors: vec![ColorTarget { slot, layer: 0, load: Load::Keep, resolve: None }],
-            depth: Some(depth),
-            draws: vec![draw],
-        };
-        let equal = |blend| DrawState::new(CompareFunction::Equal, vec![Some(blend)]);
-        let draw = self.transparent_draw("layer", SurfaceStyle::Layer, equal(ADD), bindings);
-        let reason = "the layer's own light, as far as it passes the layers before it";
-        let shading = pass("shading", reason, light, draw, self.depth_read());
-        let draw = self.transparent_draw("layer", SurfaceStyle::LayerTint, equal(MULTIPLY), vec![own]);
-        let reason = "how much is seen through the layer";
-        let tint = pass("passing", reason, passed, draw, self.depth_read());
-        self.b.passes.extend([shading, tint]);
     }
 
     pub(super) fn transparent_draw(
@@ -413,13 +341,3 @@ impl Assembly<'_> {
         Draw { name: name.into(), shader: None, state, geometry, bindings, scissor_px: None }
     }
 }
-
-/// dst + src.
-const ADD: BlendState = {
-    let add = BlendComponent {
-        src_factor: BlendFactor::One,
-        dst_factor: BlendFactor::One,
-        operation: BlendOperation::Add,
-    };
-    BlendState { color: add, alpha: add }
-};

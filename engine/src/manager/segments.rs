@@ -102,6 +102,11 @@ impl VisibilityLayers {
 }
 
 impl Segment {
+    /// Whether anything is drawn that may darken what is shaded.
+    pub(super) fn draws(&self) -> bool {
+        self.shaded.iter().flat_map(|part| &part.passes).any(|pass| !pass.draws.is_empty())
+    }
+
     /// Sorts what the claims of light number `light` left in `passes`, all of it drawn for the next layer of the
     /// visibility, whatever receives. Claims that neither weigh nor colour their shadow share a factor; each of the others has its own.
     pub(super) fn sort(

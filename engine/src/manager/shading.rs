@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::assembly::Assembly;
-use super::nearest_layer::Sorted;
+use super::sorted::Sorted;
 use super::surface_functions;
 use crate::gpu::TintUniform;
 use crate::plan::{

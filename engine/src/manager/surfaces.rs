@@ -50,7 +50,8 @@ impl Surfaces {
             }
         }
         surfaces.transparent = blended.iter().map(|(_, key)| *key).collect();
-        blended.sort_by(|a, b| b.0.total_cmp(&a.0));
+        // Of those as far away, the first drawn is the nearer.
+        blended.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.cmp(&a.1)));
         surfaces.blended = blended.into_iter().map(|(_, key)| key).collect();
         surfaces
     }

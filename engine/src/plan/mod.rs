@@ -256,19 +256,14 @@ pub enum SurfaceStyle {
     Depth,
     /// Shaded and opaque.
     Opaque,
-    /// Shaded and blended over what is there, far to near; where the draw reads a depth (binding 10), only what is behind
+    /// Shaded and blended over what is there, far to near; where the draw reads a depth (binding 9), only what is behind
     /// it.
     Blended,
-    /// Multiplies what is there by what passes the surface; binding 10 as for [`SurfaceStyle::Blended`].
+    /// Multiplies what is there by what passes the surface; binding 9 as for [`SurfaceStyle::Blended`].
     Tint,
-    /// Depth only, of transparent surfaces, where they are before the depth that the draw reads (binding 0).
-    Nearest,
-    /// Pulled by index and shaded where they are the layer that the draw reads (binding 3, after what the layers before
-    /// it let pass at 4, counts at 5, light mask at 6, visibility at 7).
-    Layer,
-    /// Pulled by index: multiplies what is there by what passes the surface, where it is the layer that the draw reads
-    /// (binding 3).
-    LayerTint,
+    /// Depth only, of transparent surfaces, where they are before the depth that the draw reads (binding 0); binding 9 as
+    /// for [`SurfaceStyle::Blended`].
+    Before,
     /// Pulled by index, with the shader of the draw: instance and triangle are known.
     Pulled,
     /// As [`SurfaceStyle::Pulled`], with the materials bound: surfaces of which parts may not be there.
@@ -278,7 +273,7 @@ pub enum SurfaceStyle {
 impl SurfaceStyle {
     /// Whether vertices are pulled by index.
     pub fn is_pulled(self) -> bool {
-        !matches!(self, Self::Depth | Self::Opaque | Self::Blended | Self::Tint | Self::Nearest)
+        matches!(self, Self::Pulled | Self::PulledMasked)
     }
 }
 

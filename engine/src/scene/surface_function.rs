@@ -51,7 +51,7 @@ const ALL_FLAGS: &[&str] = &[
 ];
 
 /// Flags under which it declares names, and which exclude one another.
-const ONE_OF: [&str; 2] = ["MULTISAMPLED", "LAYER"];
+const ONE_OF: [&str; 2] = ["MULTISAMPLED", "FARTHER"];
 
 /// Why a surface function was refused. Lines are those of its own text, counted from 1.
 #[derive(Clone, Debug, Error, PartialEq)]

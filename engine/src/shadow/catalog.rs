@@ -28,6 +28,15 @@ pub enum Layers {
     All,
 }
 
+/// Which of the transparent surfaces at a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Layer {
+    /// The n-th from the eye; 0 is the nearest.
+    FromEye(u32),
+    /// The n-th from behind of those that are not the nearest; 0 is the farthest.
+    FromBehind(u32),
+}
+
 /// A way to compute shadows.
 ///
 /// Implementations hold their options and nothing else: what persists between frames lives in the

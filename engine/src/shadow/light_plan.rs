@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use wgpu::TextureFormat;
 
-use super::{Cache, Claim, ShadowError, culling};
+use super::{Cache, Claim, Layer, ShadowError, culling};
 use crate::math::{Aabb, ViewFrustum};
 use crate::plan::{
     Access, BufferUsage, ColorTarget, DepthTarget, Load, Pass, PlanBuilder, SlotId, SlotKind, taken,
@@ -82,7 +82,7 @@ pub struct LightPlan<'a> {
     /// What the picture loses where this claim's factor is 0, and whether the finished picture does, not the light.
     pub(crate) taken: &'a mut [f32; 3],
     pub(crate) darkens_apart: &'a mut bool,
-    pub(crate) layer: Option<u32>,
+    pub(crate) layer: Option<Layer>,
 }
 
 /// The one darkening of a frame's finished picture.
@@ -134,13 +134,14 @@ impl<'a> LightPlan<'a> {
         culling::may_shadow(self.view, self.light(), bounds)
     }
 
-    /// Which layer of transparent surfaces the receivers are, 0 the nearest to the eye at each pixel; `None` for the
-    /// opaque surfaces. Techniques that ask for layers ([`ShadowTechnique::receiver_layers`](super::ShadowTechnique))
-    /// are called for the opaque surfaces first. Where a pixel has no such layer, depth is 0.
+    /// Which of the transparent surfaces at each pixel the receivers are; `None` for the opaque surfaces. Techniques
+    /// that ask for layers ([`ShadowTechnique::receiver_layers`](super::ShadowTechnique)) are called for the opaque
+    /// surfaces first. Where a pixel has no such surface, depth is 0 for [`Layer::FromEye`], 1 for
+    /// [`Layer::FromBehind`].
     ///
     /// Layers hide nothing: of a layer's pixel, opaque casters nearer to the eye than the layer are not in view, and
     /// transparent ones may be.
-    pub fn layer(&self) -> Option<u32> {
+    pub fn layer(&self) -> Option<Layer> {
         self.layer
     }
 

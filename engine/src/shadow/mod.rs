@@ -16,7 +16,7 @@ mod registry;
 
 pub use area_light::{LightDisc, LightSize, disc_samples};
 pub use cache::{Cache, hash_of};
-pub use catalog::{Catalog, Layers, Requirements, Setting, ShadowTechnique, TechniqueEntry};
+pub use catalog::{Catalog, Layer, Layers, Requirements, Setting, ShadowTechnique, TechniqueEntry};
 pub use error::ShadowError;
 pub(crate) use light_plan::Darkening;
 pub use light_plan::{Channels, LightPlan, MAX_SMOOTH_LIGHTS, View};

@@ -20,9 +20,9 @@ use crate::scene::{Instance, Material, Posed};
 
 /// The flags of surface_shade for what a draw reads, by binding number (the depth of samples is number 3, weights of
 /// shadows number 7), and at numbers that no binding has: whether a visibility has one channel, whether any light has
-/// smooth terminators, whether any factor holds own shadows, whether there is one factor only, whether a layer is drawn.
-/// What is drawn behind the nearest transparent surface only reads its depth at number 10.
-const READ_FLAGS: [&str; 11] = [
+/// smooth terminators, whether any factor holds own shadows, whether there is one factor only. What is drawn only behind
+/// the nearest transparent surface reads its depth at number 9.
+const READ_FLAGS: [&str; 10] = [
     "COUNTS",
     "MASK",
     "VISIBILITY",
@@ -32,12 +32,8 @@ const READ_FLAGS: [&str; 11] = [
     "OWN_SHADOW",
     "TINTED",
     "ONE_FACTOR",
-    "LAYER",
     "FARTHER",
 ];
-
-/// The binding number of counts where a layer is drawn; those of mask, visibility and weights follow at their distance.
-const LAYER_COUNTS: u32 = 5;
 
 /// Those of [`READ_FLAGS`] that say where factors are.
 const FACTOR_FLAGS: u32 = 0b111;
@@ -234,7 +230,7 @@ impl Executor {
         };
         let surface = Surface::Mesh { style, masked: material.cutoff().is_some(), culling };
         self.set_pipeline(recording, &shader, surface, render).map_err(|error| {
-            let is_depth = matches!(style, SurfaceStyle::Depth | SurfaceStyle::Nearest);
+            let is_depth = matches!(style, SurfaceStyle::Depth | SurfaceStyle::Before);
             let function = material.surface.as_ref().filter(|_| !is_depth);
             function.map_or(error.clone(), |function| error.of(material, function, &self.gpu))
         })?;
@@ -313,19 +309,14 @@ impl Executor {
             SurfaceStyle::Opaque => ("surface_shade", Some("opaque")),
             SurfaceStyle::Blended => ("surface_shade", Some("blended")),
             SurfaceStyle::Tint => ("surface_shade", Some("shine_through")),
-            SurfaceStyle::Layer => ("surface_shade", Some("shaded_layer")),
-            SurfaceStyle::LayerTint => ("surface_shade", Some("shine_through_layer")),
-            SurfaceStyle::Nearest => ("surface_nearest", Some("nearest")),
+            SurfaceStyle::Before => ("surface_before", Some("before")),
             SurfaceStyle::Pulled | SurfaceStyle::PulledMasked => return None,
         };
         // Depth has nothing to reflect.
-        let is_depth = matches!(style, SurfaceStyle::Depth | SurfaceStyle::Nearest);
+        let is_depth = matches!(style, SurfaceStyle::Depth | SurfaceStyle::Before);
         let function = material.surface.as_ref().filter(|_| !is_depth);
         features |= u32::from(function.is_some()) << SURFACE_FUNCTION;
         let mut read: u32 = draw.bindings.iter().map(|(number, _)| 1 << number).sum();
-        if style.is_pulled() {
-            read = read >> LAYER_COUNTS | 1 << 9;
-        }
         if let [light] = &scene.plan.lights[..] {
             // Where one light's factor is, is known now: the shader need not ask.
             let flags = light.factors().fold(0, |flags, part| flags | factor_flag(part.at));

@@ -1,10 +1,12 @@
-// The nearest of all transparent surfaces before the opaque one: its depth.
+// The depth of transparent surfaces before another depth; with FARTHER of those only that are behind the nearest.
 
 #import common/frame
 #import common/material
 
-// Of the opaque surface at every pixel.
-@group(1) @binding(0) var opaque_depth: texture_depth_2d;
+@group(1) @binding(0) var behind_depth: texture_depth_2d;
+#if FARTHER
+@group(1) @binding(9) var nearest_depth: texture_depth_2d;
+#endif
 
 struct Varyings {
     @builtin(position) @invariant clip: vec4f,
@@ -35,8 +37,13 @@ fn vertex(
 }
 
 @fragment
-fn nearest(in: Varyings) {
-    if in.clip.z <= textureLoad(opaque_depth, vec2u(in.clip.xy), 0) || !is_there(in.uvs, in.alpha) {
+fn before(in: Varyings) {
+    let pixel = vec2u(in.clip.xy);
+    var is_seen = in.clip.z > textureLoad(behind_depth, pixel, 0);
+#if FARTHER
+    is_seen = is_seen && in.clip.z < textureLoad(nearest_depth, pixel, 0);
+#endif
+    if !is_seen || !is_there(in.uvs, in.alpha) {
         discard;
     }
 }
