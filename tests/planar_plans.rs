@@ -113,7 +113,7 @@ fn texture_mode_keeps_what_it_draws() {
     let textured = SoftShadow { mode: PlanarMode::Texture, resolution: 256, ..SoftShadow::default() };
     let plan = plan(&shadowed(textured), &request());
     let text = plan.to_string();
-    assert_eq!(text.matches("kept: runs only when").count(), 2, "{plan}");
+    assert_eq!(text.matches("kept: runs only when").count(), 3, "{plan}");
     let texture = plan.slots.iter().find(|slot| slot.name == "shadow texture").unwrap();
     assert!(texture.kept.is_some());
     // The longer side is what was asked for, and no texel lies where no shadow can.

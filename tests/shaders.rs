@@ -37,6 +37,7 @@ const USED: &[(&str, &[&str], &[&str])] = &[
             "mark_receiver if RECEIVER",
             "share if RECEIVER",
             "share_of_texel if RECEIVER",
+            "four_texels if RECEIVER",
             "share_from_texture if RECEIVER",
         ],
     ),

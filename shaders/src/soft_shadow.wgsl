@@ -164,6 +164,17 @@ struct PlanarTexture {
 @group(1) @binding(6) var shares: texture_2d<f32>;
 @group(1) @binding(7) var<storage, read> place: PlanarTexture;
 
+// A texel with its neighbours to the right and below: what is blended where their middles are the corners.
+@fragment
+fn four_texels(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let low = vec2u(position.xy);
+    let high = min(low + 1u, textureDimensions(shares) - 1u);
+    let top = vec2f(textureLoad(shares, low, 0).r, textureLoad(shares, vec2u(high.x, low.y), 0).r);
+    let bottom = vec2f(textureLoad(shares, vec2u(low.x, high.y), 0).r, textureLoad(shares, high, 0).r);
+    return vec4f(top, bottom);
+}
+
+// `shares` are those of `four_texels` here.
 @fragment
 fn share_from_texture(in: Varyings) -> @location(0) vec4f {
     if is_left_out(in) {
@@ -173,13 +184,9 @@ fn share_from_texture(in: Varyings) -> @location(0) vec4f {
     let texel = vec2f(dot(p, place.x_axis) + place.x_offset, dot(p, place.y_axis) + place.y_offset) - 0.5;
     let last = vec2f(textureDimensions(shares)) - 1.0;
     let low = clamp(floor(texel), vec2f(0.0), last);
-    let high = vec2u(clamp(floor(texel) + 1.0, vec2f(0.0), last));
-    let a = textureLoad(shares, vec2u(low), 0).r;
-    let b = textureLoad(shares, vec2u(high.x, u32(low.y)), 0).r;
-    let c = textureLoad(shares, vec2u(u32(low.x), high.y), 0).r;
-    let d = textureLoad(shares, high, 0).r;
+    let four = textureLoad(shares, vec2u(low), 0);
     let blend = saturate(texel - low);
-    return vec4f(mix(mix(a, b, blend.x), mix(c, d, blend.x), blend.y));
+    return vec4f(mix(mix(four.x, four.y, blend.x), mix(four.z, four.w, blend.x), blend.y));
 }
 
 #else

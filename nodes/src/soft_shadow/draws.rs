@@ -110,8 +110,25 @@ pub(super) fn weigh_texture(
             scissor_px: None,
         }],
     });
+    let reason = "each texel with its neighbours, so that a pixel reads one texel and not four";
+    let quads =
+        light.kept_texture("texels in fours", TextureFormat::Rgba16Float, canvas.size_px, 1, key, reason);
+    light.pass(Pass {
+        name: format!("texels of {} from {name}", receiver.name),
+        reason: "each beside its neighbours".into(),
+        colors: vec![ColorTarget { slot: quads, layer: 0, load: Load::Clear([1.0; 4]), resolve: None }],
+        depth: None,
+        draws: vec![Draw {
+            name: "texels".into(),
+            shader: Some(shader(&["RECEIVER"], "fullscreen_vertex", "four_texels")),
+            state: DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]),
+            geometry: Geometry::Procedural { vertices: 3, instances: 1 },
+            bindings: vec![(6, Binding::Texture(shares))],
+            scissor_px: None,
+        }],
+    });
     let place = canvas.place(light, receiver);
-    let bindings = [(6, Binding::Texture(shares)), (7, Binding::Storage(place))];
+    let bindings = [(6, Binding::Texture(quads)), (7, Binding::Storage(place))];
     shade(light, receiver, "share_from_texture", &bindings, "the receiver wears its texture");
 }
 
