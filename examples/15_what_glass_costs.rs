@@ -16,7 +16,7 @@ use shadowgraph::measure::timing::{Pace, Runner, Spread, take_turns};
 use shadowgraph::prelude::*;
 
 const SIZE_PX: [u32; 2] = [1280, 720];
-const PACE: Pace = Pace { min_rounds: 9, max_rounds: 21, budget: Duration::from_secs(12) };
+const PACE: Pace = Pace { min_rounds: 9, max_rounds: 101, budget: Duration::from_secs(30) };
 
 /// A row: its name, whether casters are of glass, and the shadow node if there is one.
 type Row = (&'static str, bool, Option<ShadowNode>);
