@@ -207,7 +207,10 @@ fn factor_at(kind: u32, index: u32, pixel: vec2u) -> vec3f {
     if kind == 3u
 #endif
     {
-        let factor = textureLoad(visibility, pixel, index, 0);
+        // Read within the bounds wherever the pixel is: what is not read need not be fetched, nor cleared.
+        let bounds = frame.shadowed_px;
+        let within = clamp(pixel, bounds.xy, bounds.zw - 1u);
+        let factor = select(vec4f(1.0), textureLoad(visibility, within, index, 0), all(pixel == within));
 #if ONE_CHANNEL
         return factor.rrr;
 #else

@@ -360,7 +360,10 @@ impl Executor {
             .collect();
         let capacity = if lights.len() <= FEW_LIGHTS { FEW_LIGHTS } else { MAX_LIGHTS };
         lights.resize(capacity, LightUniform::zeroed());
-        let frame = FrameUniform::new(posed, camera, plan.size_px, exposure, tone_map);
+        let frame = FrameUniform {
+            shadowed_px: plan.shadowed_px,
+            ..FrameUniform::new(posed, camera, plan.size_px, exposure, tone_map)
+        };
         let gpu = &self.gpu;
         let buffers = [
             gpu.buffer("frame", wgpu::BufferUsages::UNIFORM, bytemuck::bytes_of(&frame)),

@@ -21,6 +21,7 @@ pub struct FrameUniform {
     pub tone_map: u32,
     pub up_in_view: [f32; 3],
     pub eye_w: f32,
+    pub shadowed_px: [u32; 4],
 }
 
 /// `struct Instance` of common/frame.wgsl.
@@ -85,7 +86,7 @@ macro_rules! layout {
 
 pub(super) use layout;
 
-layout!(FrameUniform: clip_from_view, view_from_clip, view_from_world, size_px, exposure, light_count, ambient, tone_map, up_in_view, eye_w);
+layout!(FrameUniform: clip_from_view, view_from_clip, view_from_world, size_px, exposure, light_count, ambient, tone_map, up_in_view, eye_w, shadowed_px);
 layout!(InstanceUniform: row_x, row_y, row_z, normal_x, normal_y, normal_z, flags, first_triangle, smooth_terminators, pad_0);
 layout!(LightUniform: position, radiance, inverse_range, direction, cone_scale, cone_offset, factor_kind, factor_index, own_shadow);
 layout!(TintUniform: taken, next, kind, index, pad_0, pad_1);
@@ -114,6 +115,7 @@ impl FrameUniform {
             tone_map: u32::from(tone_map),
             up_in_view: up.to_array(),
             eye_w: f32::from(u8::from(perspective)),
+            shadowed_px: [0, 0, size_px[0], size_px[1]],
         }
     }
 }

@@ -152,6 +152,7 @@ impl Assembly<'_> {
             self.draw_layers(layers, mask, finished, &mut lights);
         }
         self.finish_picture();
+        let shadowed_px = self.confine_visibility();
         let Self { b, picture, request, .. } = self;
         let mut plan = FramePlan {
             size_px: b.size_px,
@@ -163,6 +164,7 @@ impl Assembly<'_> {
             visible_triangles: visible_triangles.filter(|_| request.factors),
             layers: layer_count,
             layer_triangles,
+            shadowed_px,
             notes: b.notes,
         };
         if visibilities == 0 {

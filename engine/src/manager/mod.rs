@@ -2,6 +2,7 @@
 
 mod antialias;
 mod assembly;
+mod confine;
 mod darkening;
 mod exposure;
 mod factors;

@@ -138,6 +138,8 @@ pub enum Load {
     Clear([f64; 4]),
     /// What earlier passes left.
     Keep,
+    /// Whatever there was: the pass itself draws all that is read later.
+    Anything,
 }
 
 /// How a pass uses one aspect of the depth-stencil attachment.
@@ -402,6 +404,8 @@ pub struct FramePlan {
     pub layers: u32,
     /// The slots with (instance, triangle) of the layers whose factors were asked for: nearest first.
     pub layer_triangles: Vec<SlotId>,
+    /// The pixels (x and y from, x and y to before) outside of which every visibility counts as 1, whatever it holds.
+    pub shadowed_px: [u32; 4],
     /// What was left out, and why.
     pub notes: Vec<String>,
 }

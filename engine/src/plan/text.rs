@@ -89,6 +89,7 @@ impl FramePlan {
             let load = match color.load {
                 Load::Clear(_) => "clear",
                 Load::Keep => "keep",
+                Load::Anything => "whatever it held",
             };
             write!(f, "    color '{}' layer {} {load}", self.name_of(color.slot), color.layer)?;
             if let Some(resolve) = color.resolve {

@@ -17,6 +17,8 @@ struct Frame {
     tone_map: u32,
     up_in_view: vec3f,
     eye_w: f32,
+    // Outside these pixels (x and y from, x and y to before) every visibility counts as 1, whatever it holds.
+    shadowed_px: vec4u,
 }
 
 // One mesh at its place. The rows are those of the affine map view_from_local.

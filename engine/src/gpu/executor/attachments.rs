@@ -50,7 +50,7 @@ pub(super) fn color_attachment<'a>(
 ) -> wgpu::RenderPassColorAttachment<'a> {
     let load = match color.load {
         Load::Clear([r, g, b, a]) => wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
-        Load::Keep => wgpu::LoadOp::Load,
+        Load::Keep | Load::Anything => wgpu::LoadOp::Load,
     };
     wgpu::RenderPassColorAttachment {
         view,
