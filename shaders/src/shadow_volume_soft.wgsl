@@ -154,6 +154,17 @@ fn add_edge(edge: SeenEdge, round: u32) {
     add(select(nothing, crossed, size == 1), select(nothing, crossed, size == 2), vec2u(subtracts));
 }
 
+// Whether an edge lies beyond the disc, to one side of it along itself: no way from the centre to a sample crosses it,
+// though its line does. Where light may be is a cone about the way to the centre, |x, y| ≤ k·depth; what reaches beyond
+// it along one direction at both ends does so all along.
+fn is_beside(edge: SeenEdge, k: f32) -> bool {
+    let along = edge.b - edge.a;
+    // With room for what positions lose by rounding.
+    let reach = (edge.depths * (k * 1.0001) + abs(edge.depths) * 4e-6) * length(along);
+    let places = vec2f(dot(edge.a, along), dot(edge.b, along));
+    return all(places > reach) || all(-places > reach);
+}
+
 // The edge at a place of a list that ends at `end`.
 fn listed_edge(place: u32, end: u32, r: Receiver) -> SeenEdge {
     var edge = seen_edge(list_word(min(place, end - 1u)), r);
@@ -183,6 +194,7 @@ fn add_edges(list: CellList, r: Receiver, round: u32) {
         var edge = no_edge();
         while place < list.end && edge.weight == 0 {
             edge = seen_edge(list_word(place), r);
+            edge.weight = select(edge.weight, 0, is_beside(edge, r.k));
             place += 1u;
         }
         if edge.weight == 0 {
