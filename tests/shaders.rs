@@ -76,6 +76,7 @@ const USED: &[(&str, &[&str], &[&str])] = &[
             "divide_back",
             "transmit_counts",
             "transmit_logarithms",
+            "transmit_grid",
             "transmit_product",
         ],
     ),
