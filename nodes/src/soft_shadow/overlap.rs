@@ -61,13 +61,21 @@ impl Flattened {
     /// Whether the two share more than a margin: whether no edge of either parts them.
     fn overlaps(&self, other: &Self, touching: f64) -> bool {
         let apart = self.low.y > other.high.y - touching || other.low.y > self.high.y - touching;
-        !apart && !self.is_parted_from(other, touching) && !other.is_parted_from(self, touching)
+        let covers = self.covers(touching) && other.covers(touching);
+        !apart && covers && !self.is_parted_from(other, touching) && !other.is_parted_from(self, touching)
+    }
+
+    /// Whether it is wider than a margin: a line covers nothing, whatever crosses it.
+    fn covers(&self, touching: f64) -> bool {
+        let [a, b, c] = self.corners;
+        let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+        (b - a).perp_dot(c - a).abs() > touching * longest
     }
 
     fn is_parted_from(&self, other: &Self, touching: f64) -> bool {
         let [a, b, c] = self.corners;
         [(a, b), (b, c), (c, a)].into_iter().any(|(from, to)| {
-            // A triangle without an area covers nothing.
+            // Only triangles that cover something are asked, so no edge is a point.
             let Some(across) = (to - from).perp().try_normalize() else { return true };
             let reach = |corners: &[DVec2; 3]| {
                 let along = corners.map(|corner| across.dot(corner - from));
