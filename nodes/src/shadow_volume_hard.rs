@@ -37,7 +37,7 @@ use shadowgraph_engine::plan::{ColorTarget, DepthTarget, Draw, Pass};
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{Features, LightPlan, Requirements, ShadowError, ShadowTechnique, hash_of};
 
-use crate::common::culling::near_plane_may_be_shadowed;
+use crate::common::culling::{near_plane_may_be_shadowed, shows_its_inside};
 use crate::common::extrusion::{End, end_plane, scaled_end};
 use crate::common::layer_groups::{Caster, MAX_COUNT, group_by_layers};
 use crate::common::masked;
@@ -327,10 +327,7 @@ impl ShadowVolumeHard {
                 instance.name, c.unbalanced_edges, c.signed_volume
             )));
         }
-        // Bending can push parts of a mesh through others, inside out. Where such a part is single-sided, the eye sees
-        // through its walls into a place that only triangles turned away from the light shadow.
-        let single_sided = instance.materials.iter().any(|material| !material.double_sided);
-        if instance.mesh.is_posed() && single_sided {
+        if shows_its_inside(instance, topology) {
             return Ok(Half::Both);
         }
         // Inside the solid, light or eye would see its walls from behind, which cast nothing in this mode.

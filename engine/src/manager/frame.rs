@@ -225,7 +225,9 @@ impl Planner<'_> {
         let mut left: Vec<(&String, Left)> = Vec::new();
         for claim in claims {
             segment.techniques.push(claim.label.clone());
-            if claim.casters.is_empty() {
+            // Of a light with a size, part may be beyond a receiver's horizon, whether or not anything casts.
+            let is_wide = claim.technique.light_size().is_wide(light.position);
+            if claim.casters.is_empty() && !is_wide {
                 b.note(format!("'{}' has no casters for light '{}': no passes", claim.node, light.name));
                 continue;
             }

@@ -1,9 +1,22 @@
-//! Whether the near plane of a view may lie in a caster's shadow.
+//! What a view may see that the cheaper ways of casting do not hold for: whether its near plane may lie in a caster's
+//! shadow, and whether a solid's inside may be seen.
 //!
-//! Answered conservatively from bounds: z-pass is chosen only when that is certainly right.
+//! Answered conservatively: z-pass, and casting with half the triangles, are chosen only when that is certainly right.
 
 use glam::{DVec3, DVec4};
+use shadowgraph_engine::geometry::Topology;
 use shadowgraph_engine::math::{Aabb, Plane, ViewFrustum};
+use shadowgraph_engine::scene::Instance;
+
+/// Whether an eye outside a solid may see its inside, where triangles that face the light outwards do not tell all that is
+/// dark: single-sided walls are looked through where they turn their back to the eye. Solids that are wound inwards turn it
+/// to every eye outside (closed rooms, usually); bending can push parts of a mesh through others, inside out. (A mirroring
+/// transform turns winding and culling alike.)
+pub fn shows_its_inside(instance: &Instance, topology: &Topology) -> bool {
+    let single_sided = instance.materials.iter().any(|material| !material.double_sided);
+    let wound_inwards = || topology.components().iter().any(|component| component.signed_volume < 0.0);
+    single_sided && (instance.mesh.is_posed() || wound_inwards())
+}
 
 /// Whether some point of the near rectangle may be shadowed by a caster within `bounds`. False means: certainly
 /// none, so counting from the near plane (z-pass) is right for this caster.

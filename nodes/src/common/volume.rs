@@ -293,7 +293,7 @@ impl VolumeIndices {
     }
 }
 
-/// A corner at the very depth of the visible surface.
+/// A corner of a cap.
 fn cap(vertex: u32) -> u32 {
     vertex << 2
 }
@@ -334,8 +334,7 @@ impl FrontCaps {
                     // The reverse of a triangle is that triangle, counted the other way round.
                     caps.own[1 - turned].extend(own(triangle - own_count));
                 } else {
-                    // As far behind as sides are, so that it lies before no visible surface it touches.
-                    caps.unseen[turned].extend(shape.topology().triangles()[triangle as usize].map(near));
+                    caps.unseen[turned].extend(shape.topology().triangles()[triangle as usize].map(cap));
                 }
             }
         }

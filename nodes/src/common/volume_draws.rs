@@ -23,8 +23,8 @@ pub struct Volume<'a> {
     /// Whether front caps may lie before what is seen. Where all of a caster is in the depth buffer none does, and z-pass
     /// goes without them; but of a single-sided surface only one side is.
     pub hidden_caps_count: bool,
-    /// Whether what is seen may be the caster itself, turned away from the light and yet not dark: there the view leaves a
-    /// volume at the very depth of what it sees, and has left it.
+    /// Whether what is seen may lie in a cap's plane, lit from behind and yet not dark, as transparent surfaces are: there
+    /// the view leaves a volume at the very depth of what it sees, and has left it.
     pub falls_on_itself: bool,
     /// Where it ends.
     pub end: End,
@@ -130,8 +130,8 @@ pub struct How {
     pub weight: i32,
     /// Which of them count.
     pub faces: Faces,
-    /// Whether a face at the very depth of the visible surface counts as before it.
-    pub equal_is_before: bool,
+    /// On which side of caps a surface in their plane lies.
+    pub caps: Caps,
 }
 
 impl How {
@@ -145,8 +145,25 @@ impl How {
     }
 
     fn both(weight: i32) -> Self {
-        Self { weight, faces: Faces::Both, equal_is_before: false }
+        Self { weight, faces: Faces::Both, caps: Caps::Behind }
     }
+
+    /// The vertex entry point: where caps are drawn.
+    pub fn vertex(&self) -> &'static str {
+        match self.caps {
+            Caps::Behind => "vertex",
+            Caps::Ahead => "vertex_of_left_caps",
+        }
+    }
+}
+
+/// Where caps are drawn, by what depth cannot tell apart: what lies in a cap's own plane is never in its shadow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Caps {
+    /// A little behind: the view has not yet entered the volume where it sees a surface in a cap's plane.
+    Behind,
+    /// A little ahead: there it has left the volume.
+    Ahead,
 }
 
 /// The faces of a volume that a draw counts, by what the view does there.
@@ -186,14 +203,14 @@ pub fn runs(volume: &Volume<'_>, indices: &VolumeIndices) -> Vec<Run> {
     if volume.half == Half::Unlit {
         // The far side of the caster itself is not to be in its shadow: there the view leaves the volume at the very
         // depth of what it sees. Where it enters through a cap, nobody sees the cap, and depth is as it always is.
-        let leaving = |how| How { faces: Faces::Leaving, equal_is_before: true, ..how };
+        let leaving = |how| How { faces: Faces::Leaving, caps: Caps::Ahead, ..how };
         wanted.extend(front_caps.map(|(run, how)| (run, leaving(how))));
         if volume.z_fail {
             wanted.extend(front_caps.map(|(run, how)| (run, How { faces: Faces::Entering, ..how })));
         }
     } else if volume.falls_on_itself {
         let entering = |how| How { faces: Faces::Entering, ..how };
-        let leaving = |how| How { faces: Faces::Leaving, equal_is_before: true, ..how };
+        let leaving = |how| How { faces: Faces::Leaving, caps: Caps::Ahead, ..how };
         wanted.extend(front_caps.map(|(run, how)| (run, entering(how))));
         wanted.extend(front_caps.map(|(run, how)| (run, leaving(how))));
     } else if volume.z_fail || volume.hidden_caps_count {
@@ -249,12 +266,7 @@ pub fn float_state(z_fail: bool, how: How) -> DrawState {
         dst_factor: BlendFactor::One,
         operation: BlendOperation::Add,
     };
-    let compare = match (z_fail, how.equal_is_before) {
-        (false, false) => CompareFunction::Greater,
-        (false, true) => CompareFunction::GreaterEqual,
-        (true, false) => CompareFunction::LessEqual,
-        (true, true) => CompareFunction::Less,
-    };
+    let compare = if z_fail { CompareFunction::LessEqual } else { CompareFunction::Greater };
     let mut state = DrawState::new(compare, vec![Some(BlendState { color: add, alpha: add })]);
     state.blend_constant = [f64::from(if z_fail { -how.weight } else { how.weight }); 4];
     state

@@ -48,7 +48,7 @@ pub(super) fn counting_draws(
             Some(true) => "count_front",
             Some(false) => "count_back",
         });
-        (volume_shader("vertex", fragment), state)
+        (volume_shader(how.vertex(), fragment), state)
     })
 }
 
@@ -68,8 +68,7 @@ fn stencil_state(z_fail: bool, how: How, write_mask: u8) -> DrawState {
         depth_fail_op: if z_fail { op } else { Keep },
         pass_op: if z_fail { Keep } else { op },
     };
-    let compare = if how.equal_is_before { CompareFunction::GreaterEqual } else { CompareFunction::Greater };
-    let mut state = DrawState::new(compare, vec![]);
+    let mut state = DrawState::new(CompareFunction::Greater, vec![]);
     state.stencil =
         Some(Stencil { front: face(front), back: face(back), read_mask: 0xff, write_mask, reference: 0 });
     state

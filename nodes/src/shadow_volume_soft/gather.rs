@@ -17,6 +17,7 @@ use super::packed::packed;
 use super::slices::{LARGEST_DISC, MAX_SLICES, eye_distance};
 use super::{Quality, ShadowVolumeSoft};
 use crate::GeometryMode;
+use crate::common::culling::shows_its_inside;
 use crate::common::listed::{GridPlane, Layout};
 use crate::common::volume::{CastShape, Half};
 use crate::shadow_volume_hard::note_left_out;
@@ -244,9 +245,7 @@ impl ShadowVolumeSoft {
                 c.unbalanced_edges, c.signed_volume
             ));
         }
-        // Bending can push parts of a mesh through others, inside out.
-        let single_sided = instance.materials.iter().any(|material| !material.double_sided);
-        if instance.mesh.is_posed() && single_sided {
+        if shows_its_inside(instance, topology) {
             return Ok(Half::Both);
         }
         // From inside the solid, the light would see its walls from behind, which cast nothing in this mode.

@@ -22,39 +22,39 @@ struct Volume {
 
 @group(1) @binding(1) var<storage, read> volumes: array<Volume>;
 
-// Sides are drawn this fraction of the depth behind where they are: 16 roundings or less. The side that hangs from an
-// edge of a visible, lit triangle lies behind that triangle, but next to the edge by less than rounding can tell, and
-// a side mistaken to be in front could cancel another caster's count. (For a triangle turned away from the light
-// it lies in front; but such a surface is dark whatever the count.)
-const BEHIND: f32 = 9.5367431640625e-7;
+// Depths of volumes are moved by these shares of themselves, so that what touches a surface is told from what stands before
+// it. All of them are below what depth can tell apart, and below what measures allow it to be off.
 
-fn behind(clip: vec4f) -> vec4f {
-    let depth_unit = select(clip.w, clip.z, frame.eye_w > 0.0);
-    return vec4f(clip.xy, clip.z - depth_unit * BEHIND, clip.w);
-}
+// A cap that lies in a surface's own plane casts nothing on it. Rasterised from other corners, or in another order, the same
+// plane has other depths, by some tens of roundings of the largest depth on it: a cap counts as before what it is before by
+// more than 64 roundings. Cap and sides still share their edges in the picture, so every view ray crosses as many of them as
+// before.
+const CAP_SHIFT: f32 = 3.814697265625e-6;
+
+// Sides lie 16 roundings behind where they are, or less. The side that hangs from an edge of a visible, lit triangle lies
+// behind that triangle, but next to the edge by less than rounding can tell, and a side mistaken to be in front could
+// cancel another caster's count. (For a triangle turned away from the light it lies in front; but such a surface is dark
+// whatever the count.)
+const SIDE_SHIFT: f32 = 9.5367431640625e-7;
 
 // Four roundings before the surface: for sides that begin at a visible triangle which is not to be behind them by chance.
-const AHEAD: f32 = 2.384185791015625e-7;
+const AHEAD_SHIFT: f32 = 2.384185791015625e-7;
 
-fn ahead(clip: vec4f) -> vec4f {
+// A corner moved towards the eye by a share of its depth.
+fn moved_nearer(clip: vec4f, share: f32) -> vec4f {
     let depth_unit = select(clip.w, clip.z, frame.eye_w > 0.0);
-    return vec4f(clip.xy, clip.z + depth_unit * AHEAD, clip.w);
+    return vec4f(clip.xy, clip.z + depth_unit * share, clip.w);
 }
 
 // Where a corner of a volume goes. Each index is 4·vertex + what is meant: 0 a corner of a cap, 2 a near corner of a side,
-// 1 such a corner a little before the surface, 3 the vertex's extruded twin.
-fn volume_clip(index: u32, volume_index: u32) -> vec4f {
+// 1 such a corner a little before the surface, 3 the vertex's extruded twin. Caps are moved nearer by `cap_nearer`.
+fn volume_clip(index: u32, volume_index: u32, cap_nearer: f32) -> vec4f {
     let volume = volumes[volume_index];
     let p = local_position(index >> 2u);
-    if (index & 3u) == 0u {
-        // A cap: the very depth of the visible surface.
-        return clip_from_local(volume.instance, p);
-    }
-    if (index & 3u) == 1u {
-        return ahead(clip_from_local(volume.instance, p));
-    }
-    if (index & 3u) == 2u {
-        return behind(clip_from_local(volume.instance, p));
+    let kind = index & 3u;
+    if kind != 3u {
+        let shift = select(select(-SIDE_SHIFT, AHEAD_SHIFT, kind == 1u), cap_nearer, kind == 0u);
+        return moved_nearer(clip_from_local(volume.instance, p), shift);
     }
     // The direction in which the vertex is extruded: w·v − l.
     let away = (p * volume.light_high.w - volume.light_high.xyz) - volume.light_low.xyz;
@@ -67,5 +67,5 @@ fn volume_clip(index: u32, volume_index: u32) -> vec4f {
         stretch = (volume.end_offset - dot(volume.end_normal, p)) / dot(volume.end_normal, away);
     }
     let end_in_view = view_from_local(volume.instance, p) + away_in_view * stretch;
-    return behind(frame.clip_from_view * vec4f(end_in_view, 1.0));
+    return moved_nearer(frame.clip_from_view * vec4f(end_in_view, 1.0), -SIDE_SHIFT);
 }
