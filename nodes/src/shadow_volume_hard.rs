@@ -225,7 +225,7 @@ impl ShadowVolumeHard {
             let single_sided = instance.materials.iter().any(|material| !material.double_sided);
             volumes.push(Volume {
                 hidden_caps_count: single_sided && !hides_itself,
-                falls_on_itself: false,
+                falls_on_itself: light.has_size(),
                 caster: Caster { index, instance, shape, key, facing },
                 z_fail,
                 end: self.end(light, instance)?,

@@ -171,7 +171,7 @@ fn tinted_volumes<'a>(light: &mut LightPlan<'a>) -> Result<Vec<Tinted<'a>>, Shad
                 caster: Caster { index, instance, shape, key, facing },
                 z_fail,
                 hidden_caps_count: true,
-                falls_on_itself: light.layer().is_some(),
+                falls_on_itself: light.layer().is_some() || light.has_size(),
                 end: end_in_view(view, position, &instance.world_bounds),
                 clamp_depth: z_fail && !perspective,
                 directional: position.w == 0.0,

@@ -221,13 +221,14 @@ impl Planner<'_> {
         segment: &mut Segment,
     ) -> Result<Vec<Left>, FrameError> {
         let light = &self.posed.lights[index];
+        let is_wide = |claim: &Claim| claim.technique.light_size().is_wide(light.position);
+        let has_size = claims.iter().any(is_wide);
         let mut counts_bound = 0;
         let mut left: Vec<(&String, Left)> = Vec::new();
         for claim in claims {
             segment.techniques.push(claim.label.clone());
             // Of a light with a size, part may be beyond a receiver's horizon, whether or not anything casts.
-            let is_wide = claim.technique.light_size().is_wide(light.position);
-            if claim.casters.is_empty() && !is_wide {
+            if claim.casters.is_empty() && !is_wide(claim) {
                 b.note(format!("'{}' has no casters for light '{}': no passes", claim.node, light.name));
                 continue;
             }
@@ -256,6 +257,7 @@ impl Planner<'_> {
                 visible_triangles: &mut seen.triangles,
                 receiver_normals: &mut seen.normals,
                 own_shadow: &mut own_shadow,
+                has_size,
                 taken: &mut taken,
                 darkens_apart: &mut apart,
                 layer: receivers.layer,

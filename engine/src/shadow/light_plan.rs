@@ -79,6 +79,7 @@ pub struct LightPlan<'a> {
     pub(crate) visible_triangles: &'a mut Option<SlotId>,
     pub(crate) receiver_normals: &'a mut Option<SlotId>,
     pub(crate) own_shadow: &'a mut bool,
+    pub(crate) has_size: bool,
     /// What the picture loses where this claim's factor is 0, and whether the finished picture does, not the light.
     pub(crate) taken: &'a mut [f32; 3],
     pub(crate) darkens_apart: &'a mut bool,
@@ -180,6 +181,13 @@ impl<'a> LightPlan<'a> {
     /// them. Without effect when the technique adds no pass that writes the light's visibility.
     pub fn decides_own_shadow(&mut self) {
         *self.own_shadow = true;
+    }
+
+    /// Whether some technique that serves this light takes it to have a size. Then a surface that is turned away from the
+    /// light's centre may still see a part of it: what other techniques leave there counts, and the surface's own plane is
+    /// to darken nothing.
+    pub fn has_size(&self) -> bool {
+        self.has_size
     }
 
     /// The attachment for a pass that tests against the receivers' depth and leaves depth and stencil alone.

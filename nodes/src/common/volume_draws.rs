@@ -23,8 +23,9 @@ pub struct Volume<'a> {
     /// Whether front caps may lie before what is seen. Where all of a caster is in the depth buffer none does, and z-pass
     /// goes without them; but of a single-sided surface only one side is.
     pub hidden_caps_count: bool,
-    /// Whether what is seen may lie in a cap's plane, lit from behind and yet not dark, as transparent surfaces are: there
-    /// the view leaves a volume at the very depth of what it sees, and has left it.
+    /// Whether what is seen may lie in a cap's plane, turned away from the light's centre and yet not dark, as transparent
+    /// surfaces are, and those that see a part of a light with a size: there the view leaves a volume at the very depth of
+    /// what it sees, and has left it.
     pub falls_on_itself: bool,
     /// Where it ends.
     pub end: End,
