@@ -35,7 +35,7 @@ const TEXT: &str = "
 fn facing(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let normal = textureLoad(normals, vec2u(position.xy), 0);
     let towards = lights[light[0]].position.xyz;
-    return vec4f(select(0.25, 0.5 + 0.5 * dot(normal.xyz, towards), normal.w == 1.0));
+    return vec4f(select(0.25, 0.5 + 0.5 * dot(normal.xyz, towards), normal.w > 0.0));
 }
 ";
 

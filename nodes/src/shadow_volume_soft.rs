@@ -32,6 +32,7 @@ mod per_receiver;
 mod sampled;
 mod sides;
 mod slices;
+mod stretched;
 mod wedge;
 
 use shadowgraph_engine::scene::{Instance, Params};

@@ -32,6 +32,14 @@ fn scaled(v: vec3f) -> vec3f {
     return v / max(largest(v), 1e-37);
 }
 
+// How far the farthest corner of the triangle that begins with this corner is from the eye.
+fn reach(instance: u32, first: u32) -> f32 {
+    let a = length(view_from_local(instance, local_position(indices[first])));
+    let b = length(view_from_local(instance, local_position(indices[first + 1u])));
+    let c = length(view_from_local(instance, local_position(indices[first + 2u])));
+    return max(max(a, max(b, c)), 1e-30);
+}
+
 // Unit normal of the triangle that begins with this corner, in view space on the eye's side.
 fn geometric_normal(instance: u32, first: u32) -> vec3f {
     let a = local_position(indices[first]);
@@ -79,7 +87,9 @@ fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) instance:
     out.alpha = vertex_alpha(vertex);
 #endif
 #if NORMALS
-    out.normal = vec4f(geometric_normal(instance, corner - corner % 3u), f32(instances[instance].flags & 1u));
+    let first = corner - corner % 3u;
+    let receives = (instances[instance].flags & 1u) != 0u;
+    out.normal = vec4f(geometric_normal(instance, first), select(0.0, reach(instance, first), receives));
 #endif
     return out;
 }

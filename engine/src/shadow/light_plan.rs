@@ -163,7 +163,8 @@ impl<'a> LightPlan<'a> {
     }
 
     /// The normal of the surface that every pixel shows, as `texture_2d<f32>`: x, y and z are the unit normal of the
-    /// visible triangle in view space, on the eye's side; w is 1 where the surface receives shadows, 0 where it does
+    /// visible triangle in view space, on the eye's side; w is how far the triangle's farthest corner is from the eye, in
+    /// metres, where the surface receives shadows (rasterisers lose as many digits of its depth), 0 where it does
     /// not or nothing is seen. The triangle's own normal, not one blended between vertices. In the plan only when some
     /// technique calls this.
     pub fn receiver_normals(&mut self) -> SlotId {

@@ -20,6 +20,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, DVec4, Vec3};
 use shadowgraph_engine::scene::Instance;
 
+use super::stretched::Stretched;
 use crate::common::volume::{CastShape, Half};
 
 /// An edge in four texels: see soft_light.wgsl.
@@ -180,10 +181,17 @@ struct Face {
 }
 
 impl CasterChain {
-    /// The chain of `instance` with the triangles of `shape`, for `light`. `half` says which of its triangles.
-    pub(super) fn new(instance: &Instance, shape: &CastShape<'_>, light: &LightBall, half: Half) -> Self {
+    /// The chain of `instance` with the triangles of `shape`, for `light`. `half` says which of its triangles, `stretched`
+    /// whether and where they are cut.
+    pub(super) fn new(
+        instance: &Instance,
+        shape: &CastShape<'_>,
+        light: &LightBall,
+        half: Half,
+        stretched: Option<&Stretched>,
+    ) -> Self {
         let topology = shape.topology();
-        let center = instance.world_bounds.center();
+        let center = stretched.map_or_else(|| instance.world_bounds.center(), |stretched| stretched.center);
         let in_world: Vec<DVec3> = (0..instance.mesh.positions().len() as u32)
             .map(|vertex| instance.world_position(vertex))
             .collect();
@@ -196,18 +204,24 @@ impl CasterChain {
         };
         let mut chain = Self { center, ..Self::default() };
         let mut faces: Vec<Option<Face>> = Vec::with_capacity(signs.len());
-        for (number, (corners, sign)) in topology.triangles().iter().zip(&signs).enumerate() {
+        for (number, (vertices, sign)) in topology.triangles().iter().zip(&signs).enumerate() {
             let orient = orientation.as_ref().map_or(1, |orientation| i32::from(orientation.sign(number)));
-            let corners = corners.map(|vertex| in_world[vertex as usize]);
+            let corners = vertices.map(|vertex| in_world[vertex as usize]);
             let face = if *sign == 0 || orient == 0 { None } else { face(corners, center, orient, light) };
             if let Some(face) = &face {
-                let record = triangle_record(corners, center, face, light, half);
                 let hides_center = match half {
                     Half::Both => true,
                     Half::Lit => face.light_side >= 0,
                     Half::Unlit => face.light_side <= 0,
                 };
-                chain.triangles.push(ChainTriangle { record, corners, near: face.near, hides_center });
+                let parts = match stretched {
+                    Some(stretched) if !face.near => stretched.parts(corners, *vertices),
+                    _ => vec![corners],
+                };
+                chain.triangles.extend(parts.into_iter().map(|corners| {
+                    let record = triangle_record(corners, center, face, light, half);
+                    ChainTriangle { record, corners, near: face.near, hides_center }
+                }));
             }
             faces.push(face.filter(|face| !face.near));
         }
@@ -218,7 +232,9 @@ impl CasterChain {
                 .filter_map(|use_of| Some((use_of.sigma, faces[use_of.triangle as usize]?)))
                 .map(|(sigma, face)| (sigma * face.orient, face))
                 .collect();
-            chain.add_edge(ends, uses, half);
+            let cuts = stretched.map_or_else(Vec::new, |stretched| stretched.cuts(ends[0], ends[1]));
+            let points: Vec<DVec3> = [ends[0]].into_iter().chain(cuts).chain([ends[1]]).collect();
+            points.windows(2).for_each(|ends| chain.add_edge([ends[0], ends[1]], uses.clone(), half));
         }
         chain
     }

@@ -15,6 +15,7 @@ use super::lists::{ListedEdge, SoftGrid};
 use super::near::near_lists;
 use super::packed::packed;
 use super::slices::{LARGEST_DISC, MAX_SLICES, eye_distance};
+use super::stretched::Stretched;
 use super::{Quality, ShadowVolumeSoft};
 use crate::GeometryMode;
 use crate::common::culling::shows_its_inside;
@@ -148,10 +149,13 @@ impl ShadowVolumeSoft {
             let shape = self.hard().cast_shape(light, instance)?;
             let half = self.half(light, &ball, instance, &shape)?;
             let ball_bits = [ball.position.x, ball.position.y, ball.position.z, ball.position.w, ball.radius];
-            let key = hash_of((instance.pose_key, ball_bits.map(f64::to_bits), half, self.closure, &whole));
-            let chain = light
-                .cache
-                .get_or_compute("soft chain", key, || CasterChain::new(instance, &shape, &ball, half));
+            let stretched = Stretched::of(light, instance);
+            let cut_about = stretched.map(|stretched| stretched.center.to_array().map(f64::to_bits));
+            let bits = ball_bits.map(f64::to_bits);
+            let key = hash_of((instance.pose_key, bits, half, self.closure, &whole, cut_about));
+            let chain = light.cache.get_or_compute("soft chain", key, || {
+                CasterChain::new(instance, &shape, &ball, half, stretched.as_ref())
+            });
             if chain.triangles.is_empty() {
                 left_out.push((instance, "has no triangle with an area"));
                 continue;

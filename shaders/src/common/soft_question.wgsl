@@ -9,6 +9,8 @@ struct Question {
     // Unit normal on the eye's side, and how high the light's centre is over the surface.
     n: vec3f,
     height: f32,
+    // What the image of receivers' normals has.
+    normal: vec4f,
     // How much further up or down a sample may be.
     reach: f32,
 #if CASTERS
@@ -27,6 +29,7 @@ fn question_at(position: vec2f) -> Question {
     q.r = receiver_at(position, depth);
     q.n = world_from_view(normal.xyz);
     q.height = dot(q.n, q.r.w);
+    q.normal = normal;
     q.reach = q.r.k * sqrt(max(1.0 - q.height * q.height, 0.0)) * 1.00001 + 1e-6;
     q.lit = q.height > q.reach && q.r.k > 0.0;
 #if CASTERS
