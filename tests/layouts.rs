@@ -2,6 +2,7 @@
 
 use naga::proc::Layouter;
 use shadowgraph_engine::gpu::{FrameUniform, InstanceUniform, LightUniform, MaterialUniform, TintUniform};
+use shadowgraph_nodes::common::beside_light::CutVertex;
 use shadowgraph_nodes::common::volume::VolumeUniform;
 
 /// Fields with their byte offsets, in order, and the whole size.
@@ -81,6 +82,7 @@ fn tint() {
 #[test]
 fn volume() {
     assert_same("common/volume", "Volume", VolumeUniform::layout());
+    assert_same_with("common/volume", &["CUT_EDGES"], "CutVertex", CutVertex::layout());
 }
 
 #[test]

@@ -38,7 +38,7 @@ use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{Features, LightPlan, Requirements, ShadowError, ShadowTechnique, hash_of};
 
 use crate::common::culling::{near_plane_may_be_shadowed, shows_its_inside};
-use crate::common::extrusion::{End, end_plane, scaled_end};
+use crate::common::extrusion::{End, end_beyond, end_plane};
 use crate::common::layer_groups::{Caster, MAX_COUNT, group_by_layers};
 use crate::common::masked;
 use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
@@ -372,10 +372,7 @@ impl ShadowVolumeHard {
                  (accepted for it: auto, infinite)",
                 instance.name
             ))),
-            None if light.view.frustum.eye.w == 0.0 => {
-                Ok(End::Scaled(scaled_end(light.view, position, &instance.world_bounds)))
-            }
-            None => Ok(End::Infinite),
+            None => Ok(end_beyond(light.view, position, &instance.world_bounds)),
         }
     }
 }

@@ -245,13 +245,13 @@ fn counting_draws(light: &mut LightPlan<'_>, glass: &[Tinted<'_>]) -> Vec<Vec<Dr
     let everything: Vec<GroupMember> = (0..volumes.len()).map(GroupMember::whole).collect();
     let buffers = upload(light, &volumes, &[everything], Weights::Apart);
     let draws = |(volume, record): (&Volume<'_>, u32)| {
-        volume_draws(volume, record, &buffers, |how| {
+        volume_draws(volume, record, &buffers, |how, flags| {
             let fragment = match how.front_faces() {
                 None => "add",
                 Some(true) => "add_front",
                 Some(false) => "add_back",
             };
-            (shader(&[], how.vertex(), fragment), float_state(volume.z_fail, how))
+            (shader(flags, how.vertex(), fragment), float_state(volume.z_fail, how))
         })
     };
     volumes.iter().zip(0..).map(draws).collect()

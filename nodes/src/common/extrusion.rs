@@ -20,7 +20,14 @@ pub enum End {
     /// As a copy of the caster scaled about the light by 1 + this; for orthographic views, in which a point at
     /// infinity has no place. The factor puts the copy beyond everything in view.
     Scaled(f64),
+    /// So far from where it begins, in metres: for orthographic views of casters that the light is next to or within, of
+    /// which a scaled copy would be of any size. Beyond everything in view, as long as no edge spans more than a right
+    /// angle as the light sees it: see [`super::beside_light`].
+    Reach(f64),
 }
+
+/// Within this share of a caster's radius from it, a light is beside it.
+pub const BESIDE: f64 = 0.1;
 
 /// Stretches beyond this are not taken: sides that nearly miss the plane gain nothing.
 const MAX_STRETCH: f64 = 1e3;
@@ -48,25 +55,24 @@ pub fn end_plane(view: &View, light: DVec4, caster: &Aabb) -> Option<Plane> {
         .map(|(_, plane)| plane)
 }
 
-/// Where the volume of a caster within `caster` ends in this view: on a plane where that is exact, else at infinity, or
-/// where an orthographic view has its place.
+/// Where the volume of a caster within `caster` ends in this view: on a plane where that is exact, else beyond everything.
 pub fn end_in_view(view: &View, light: DVec4, caster: &Aabb) -> End {
-    match end_plane(view, light, caster) {
-        Some(plane) => End::Plane(plane),
-        None if view.frustum.eye.w == 0.0 => End::Scaled(scaled_end(view, light, caster)),
-        None => End::Infinite,
-    }
+    end_plane(view, light, caster).map_or_else(|| end_beyond(view, light, caster), End::Plane)
 }
 
-/// The factor of [`End::Scaled`] that puts the far copy beyond everything in view.
-pub fn scaled_end(view: &View, light: DVec4, caster: &Aabb) -> f64 {
+/// The end beyond everything: at infinity, or where an orthographic view has its place.
+pub fn end_beyond(view: &View, light: DVec4, caster: &Aabb) -> End {
+    if view.frustum.eye.w > 0.0 {
+        return End::Infinite;
+    }
     let everything = Aabb::from_points(view.frustum.near_corners).union(&view.receiver_bounds).union(caster);
     let far_m = 4.0 * (everything.radius() + view.camera.projection.far_m());
     if light.w == 0.0 {
-        return far_m / light.truncate().length();
+        return End::Scaled(far_m / light.truncate().length());
     }
     let light = light.truncate();
     let reach_m = far_m + everything.center().distance(light);
-    // A caster that touches the light would need an infinite factor; its nearest part is taken as 10⁻⁶ of its size.
-    reach_m / caster.distance(light).max(1e-6 * caster.radius())
+    let distance_m = caster.distance(light);
+    // What is flat between directions at right angles comes nearer by up to the square root of 3.
+    if distance_m > BESIDE * caster.radius() { End::Scaled(reach_m / distance_m) } else { End::Reach(2.0 * reach_m) }
 }

@@ -1,5 +1,6 @@
 //! What several techniques share: which casters matter, how volumes end, their vertices and draws, and how many layers they count.
 
+pub mod beside_light;
 pub mod culling;
 pub mod extrusion;
 pub mod layer_groups;

@@ -13,6 +13,10 @@ use super::extrusion::End;
 /// x, y, width and height of the pixels that the volume of a caster within `caster` may touch; `None` where it touches
 /// none. A pixel is added on every side.
 pub fn volume_pixels(view: &View, light: DVec4, caster: &Aabb, end: End) -> Option<[u32; 4]> {
+    // The light is next to the caster or within it: shadows go anywhere.
+    if matches!(end, End::Reach(_)) {
+        return Some([0, 0, view.size_px[0], view.size_px[1]]);
+    }
     let [width, height] = view.size_px.map(f64::from);
     let projection = &view.camera.projection;
     let view_from_world = DMat4::from(view.camera.world_from_view.inverse());
@@ -59,6 +63,7 @@ fn end_of(p: DVec3, light: DVec4, end: End) -> DVec4 {
             (p + away * stretch).extend(1.0)
         }
         End::Scaled(scale) => (p + away * scale).extend(1.0),
+        End::Reach(reach_m) => (p + away.normalize_or_zero() * reach_m).extend(1.0),
     }
 }
 

@@ -9,6 +9,7 @@ use glam::{DVec3, DVec4};
 use shadowgraph_engine::geometry::{Capped, Chain, Topology, facing_signs, restricted_signs};
 use shadowgraph_engine::scene::Instance;
 
+use super::beside_light::{CutVertex, Cutter};
 use super::extrusion::End;
 
 /// `struct Volume` of the shadow volume shaders.
@@ -23,7 +24,7 @@ pub struct VolumeUniform {
     pub end_kind: u32,
     pub end_scale: f32,
     pub instance: u32,
-    pub pad_0: u32,
+    pub first_cut: u32,
 }
 
 impl VolumeUniform {
@@ -38,14 +39,14 @@ impl VolumeUniform {
             ("end_kind", offset_of!(Self, end_kind)),
             ("end_scale", offset_of!(Self, end_scale)),
             ("instance", offset_of!(Self, instance)),
-            ("pad_0", offset_of!(Self, pad_0)),
+            ("first_cut", offset_of!(Self, first_cut)),
         ];
         (fields, size_of::<Self>())
     }
 
-    /// The record of `instance` (number `index` of the frame) for the homogeneous world-space `light`. The
-    /// instance's transform must not be singular.
-    pub fn new(instance: &Instance, index: usize, light: DVec4, end: End) -> Self {
+    /// The record of `instance` (number `index` of the frame) for the homogeneous world-space `light`; its cut vertices
+    /// begin at `first_cut`. The instance's transform must not be singular.
+    pub fn new(instance: &Instance, index: usize, light: DVec4, end: End, first_cut: u32) -> Self {
         let world_from_shader = instance.world_from_shader();
         let shader_from_world = world_from_shader.inverse();
         let light_in_shader = if light.w > 0.0 {
@@ -59,6 +60,7 @@ impl VolumeUniform {
             End::Infinite => (0, None, 0.0),
             End::Plane(plane) => (1, Some(plane), 0.0),
             End::Scaled(scale) => (2, None, scale as f32),
+            End::Reach(reach_m) => (3, None, reach_m as f32),
         };
         // normal·(M p + t) = offset  ⇔  (Mᵀ normal)·p = offset − normal·t
         let normal = plane.map_or(DVec3::ZERO, |p| world_from_shader.matrix3.transpose() * p.normal);
@@ -71,7 +73,7 @@ impl VolumeUniform {
             end_kind,
             end_scale,
             instance: index as u32,
-            pad_0: 0,
+            first_cut,
         }
     }
 }
@@ -228,16 +230,19 @@ pub struct VolumeIndices {
     pub unseen_caps_turned: Range<u32>,
     /// Different silhouette edges.
     pub silhouette_edges: usize,
+    /// Vertices that are none of the mesh's: see [`super::beside_light`].
+    pub cuts: Vec<CutVertex>,
 }
 
 impl VolumeIndices {
-    /// The volume of the given triangles of a caster.
+    /// The volume of the given triangles of a caster, for the homogeneous world-space `light`, that is to end at `end`.
     pub fn new(
         instance: &Instance,
         shape: &CastShape<'_>,
         facing: &CasterFacing,
         triangles: &[u32],
         weights: Weights,
+        (light, end): (DVec4, End),
     ) -> Self {
         let topology = shape.topology();
         let all = triangles.len() == facing.cast.len();
@@ -249,6 +254,7 @@ impl VolumeIndices {
             &restricted
         };
         let chain = Chain::extract(topology, signs);
+        let mut cutter = Cutter::new(instance, &facing.p_in_world, light, end);
         let mut indices = Vec::with_capacity(chain.sides.len() * 6 + triangles.len() * 6);
         let mut run = |add: &mut dyn FnMut(&mut Vec<u32>)| {
             let start = indices.len() as u32;
@@ -257,6 +263,7 @@ impl VolumeIndices {
         };
         let mut sides = Vec::new();
         for (weight, of_weight) in by_weight(&chain.sides, weights) {
+            let of_weight = cut_sides(&mut cutter, of_weight);
             let near_run =
                 run(&mut |i| of_weight.iter().for_each(|&[p, q]| i.extend([near(q), near(p), far(p)])));
             let far_run =
@@ -270,14 +277,17 @@ impl VolumeIndices {
         }
         let far_caps = run(&mut |i| {
             for &triangle in &chain.caps_front {
-                let [a, b, c] = topology.triangles()[triangle as usize];
-                i.extend([far(a), far(c), far(b)]);
+                for [a, b, c] in cut_triangle(&mut cutter, topology.triangles()[triangle as usize]) {
+                    i.extend([far(a), far(c), far(b)]);
+                }
             }
             for &triangle in &chain.caps_back {
-                i.extend(topology.triangles()[triangle as usize].map(far));
+                for corners in cut_triangle(&mut cutter, topology.triangles()[triangle as usize]) {
+                    i.extend(corners.map(far));
+                }
             }
         });
-        let FrontCaps { own, unseen } = FrontCaps::new(instance, shape, &chain);
+        let FrontCaps { own, unseen } = FrontCaps::new(instance, shape, &chain, &mut cutter);
         let [front_caps, front_caps_turned] = own.map(|caps| run(&mut |i| i.extend_from_slice(&caps)));
         let [unseen_caps, unseen_caps_turned] = unseen.map(|caps| run(&mut |i| i.extend_from_slice(&caps)));
         Self {
@@ -289,8 +299,24 @@ impl VolumeIndices {
             front_caps_turned,
             unseen_caps,
             unseen_caps_turned,
+            cuts: cutter.map_or_else(Vec::new, |cutter| cutter.cuts),
         }
     }
+}
+
+/// The sides with those of cut edges in parts.
+fn cut_sides(cutter: &mut Option<Cutter<'_>>, sides: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
+    let Some(cutter) = cutter else { return sides };
+    let mut parts = Vec::with_capacity(sides.len());
+    for [p, q] in sides {
+        parts.extend(cutter.edge(p, q).windows(2).map(|pair| [pair[0], pair[1]]));
+    }
+    parts
+}
+
+/// The parts of a triangle.
+fn cut_triangle(cutter: &mut Option<Cutter<'_>>, corners: [u32; 3]) -> Vec<[u32; 3]> {
+    cutter.as_mut().map_or_else(|| vec![corners], |cutter| cutter.triangle(corners))
 }
 
 /// A corner of a cap.
@@ -321,20 +347,36 @@ struct FrontCaps {
 }
 
 impl FrontCaps {
-    fn new(instance: &Instance, shape: &CastShape<'_>, chain: &Chain) -> Self {
+    fn new(
+        instance: &Instance,
+        shape: &CastShape<'_>,
+        chain: &Chain,
+        cutter: &mut Option<Cutter<'_>>,
+    ) -> Self {
         let own_count = instance.mesh.triangle_count() as u32;
-        // The mesh's own indices, as the visible surface has them.
-        let own = |triangle: u32| instance.mesh.triangle(triangle as usize).map(cap);
+        let welded = shape.topology().triangles();
+        let mut cap_of = |triangle: u32, seen_as: Option<u32>| -> Vec<u32> {
+            let corners = welded[triangle as usize];
+            let parts = cut_triangle(cutter, corners);
+            match (seen_as, &parts[..]) {
+                // The mesh's own indices, as the visible surface has them.
+                (Some(own), [whole]) if *whole == corners => instance.mesh.triangle(own as usize).map(cap).to_vec(),
+                // The reverse of a triangle is that triangle, counted the other way round.
+                (Some(own), parts) if own != triangle => {
+                    parts.iter().flat_map(|[a, b, c]| [cap(*a), cap(*c), cap(*b)]).collect()
+                }
+                (_, parts) => parts.iter().flatten().map(|vertex| cap(*vertex)).collect(),
+            }
+        };
         let mut caps = Self::default();
         for (turned, list) in [&chain.caps_front, &chain.caps_back].into_iter().enumerate() {
             for &triangle in list {
                 if triangle < own_count {
-                    caps.own[turned].extend(own(triangle));
+                    caps.own[turned].extend(cap_of(triangle, Some(triangle)));
                 } else if matches!(shape, CastShape::Doubled(_)) {
-                    // The reverse of a triangle is that triangle, counted the other way round.
-                    caps.own[1 - turned].extend(own(triangle - own_count));
+                    caps.own[1 - turned].extend(cap_of(triangle, Some(triangle - own_count)));
                 } else {
-                    caps.unseen[turned].extend(shape.topology().triangles()[triangle as usize].map(cap));
+                    caps.unseen[turned].extend(cap_of(triangle, None));
                 }
             }
         }

@@ -9,6 +9,7 @@ use shadowgraph_engine::plan::{
 };
 use shadowgraph_engine::shadow::{LightPlan, hash_of};
 
+use super::beside_light::CutVertex;
 use super::extrusion::End;
 use super::layer_groups::Caster;
 use super::volume::{Half, VolumeIndices, VolumeUniform, Weights};
@@ -49,16 +50,21 @@ impl Volume<'_> {
         let end = match self.end {
             End::Infinite => "to infinity",
             End::Plane(_) => "to a plane",
-            End::Scaled(_) => "beyond the view",
+            End::Scaled(_) | End::Reach(_) => "beyond the view",
         };
         format!("{} {mode} {depth_test} {end}", self.caster.instance.name)
     }
 }
 
+/// Where shaders find cut vertices.
+const CUTS_BINDING: u32 = 4;
+
 /// The buffers of one light's volumes.
 pub struct Buffers {
     index_slot: SlotId,
     records: SlotId,
+    /// Vertices that are none of any mesh's, where lamps all but touch casters.
+    cuts: Option<SlotId>,
     /// For each record: where its indices begin, and their runs.
     indices: Vec<(u32, Arc<VolumeIndices>)>,
 }
@@ -70,19 +76,22 @@ pub fn upload(
     groups: &[Vec<GroupMember>],
     weights: Weights,
 ) -> Buffers {
+    let position = light.light().position;
     let mut keys = Vec::new();
     let mut indices = Vec::new();
     let mut records: Vec<VolumeUniform> = Vec::new();
     let mut first = 0;
+    let mut cuts: Vec<CutVertex> = Vec::new();
     for member in groups.iter().flatten() {
         let Volume { caster: Caster { index, instance, shape, key, facing }, end, .. } =
             &volumes[member.caster];
-        let key = hash_of((key, &member.triangles, weights));
+        let key = hash_of((key, &member.triangles, weights, matches!(end, End::Reach(_))));
         let runs = light.cache.get_or_compute("volume indices", key, || {
             let triangles = member.triangles.as_ref().unwrap_or(&facing.cast);
-            VolumeIndices::new(instance, shape, facing, triangles, weights)
+            VolumeIndices::new(instance, shape, facing, triangles, weights, (position, *end))
         });
-        records.push(VolumeUniform::new(instance, *index, light.light().position, *end));
+        records.push(VolumeUniform::new(instance, *index, position, *end, cuts.len() as u32));
+        cuts.extend(&runs.cuts);
         keys.push(key);
         let count = runs.indices.len() as u32;
         indices.push((first, runs));
@@ -110,7 +119,13 @@ pub fn upload(
         Arc::new(bytes.to_vec()),
         "where the light is, as each caster sees it, and where its volume ends",
     );
-    Buffers { index_slot, records, indices }
+    let cuts = (!cuts.is_empty()).then(|| {
+        let bytes: &[u8] = bytemuck::cast_slice(&cuts);
+        let reason = format!("{} places where edges and faces are cut that the light all but touches", cuts.len());
+        let (key, contents) = (hash_of(("cut vertices", bytes)), Arc::new(bytes.to_vec()));
+        light.buffer(&format!("cut vertices of {name}"), BufferUsage::Storage, key, contents, &reason)
+    });
+    Buffers { index_slot, records, cuts, indices }
 }
 
 /// Neighbouring indices that count alike.
@@ -230,16 +245,19 @@ pub fn runs(volume: &Volume<'_>, indices: &VolumeIndices) -> Vec<Run> {
     joined
 }
 
-/// The draws of one volume, each with the shader and state that `counting` says for how it counts.
+/// The draws of one volume, each with the shader (of these flags) and state that `counting` says for how it counts.
 pub fn volume_draws(
     volume: &Volume<'_>,
     record: u32,
     buffers: &Buffers,
-    counting: impl Fn(How) -> (Shader, DrawState),
+    counting: impl Fn(How, &[&str]) -> (Shader, DrawState),
 ) -> Vec<Draw> {
+    let flags: &[&str] = if buffers.cuts.is_some() { &["CUT_EDGES"] } else { &[] };
+    let cuts = buffers.cuts.map(|cuts| (CUTS_BINDING, Binding::Storage(cuts)));
+    let bindings: Vec<_> = [(1, Binding::Storage(buffers.records))].into_iter().chain(cuts).collect();
     let (first, indices) = &buffers.indices[record as usize];
     let draw = |run: Run| {
-        let (shader, mut state) = counting(run.how);
+        let (shader, mut state) = counting(run.how, flags);
         state.depth_clamp = volume.clamp_depth;
         Draw {
             name: volume.name(),
@@ -252,7 +270,7 @@ pub fn volume_draws(
                 count: run.end - run.start,
                 record,
             },
-            bindings: vec![(1, Binding::Storage(buffers.records))],
+            bindings: bindings.clone(),
             scissor_px: None,
         }
     };

@@ -9,10 +9,14 @@ use shadowgraph_engine::shadow::LightPlan;
 use crate::common::volume_draws::{Buffers, Faces, How, Volume, float_state, volume_draws};
 
 /// A shader of this technique's own; its text is checked by a test, so composing it cannot fail.
-pub(super) fn volume_shader(vertex: &'static str, fragment: Option<&'static str>) -> Shader {
-    let source = shadowgraph_shaders::compose_named("shadow_volume_hard", &[]).unwrap_or_default();
+pub(super) fn volume_shader(
+    vertex: &'static str,
+    fragment: Option<&'static str>,
+    flags: &[&str],
+) -> Shader {
+    let source = shadowgraph_shaders::compose_named("shadow_volume_hard", flags).unwrap_or_default();
     Shader {
-        name: "shadow_volume_hard".into(),
+        name: [&["shadow_volume_hard"], flags].concat().join(" ").into(),
         source: source.into(),
         vertex: vertex.into(),
         fragment: fragment.map(Into::into),
@@ -37,7 +41,7 @@ pub(super) fn counting_draws(
     buffers: &Buffers,
     counter: Counter,
 ) -> Vec<Draw> {
-    volume_draws(volume, record, buffers, |how| {
+    volume_draws(volume, record, buffers, |how, flags| {
         let state = match counter {
             Counter::AllBits => stencil_state(volume.z_fail, how, 0xff),
             Counter::BesideStickyBit => stencil_state(volume.z_fail, how, 0x7f),
@@ -48,7 +52,7 @@ pub(super) fn counting_draws(
             Some(true) => "count_front",
             Some(false) => "count_back",
         });
-        (volume_shader(how.vertex(), fragment), state)
+        (volume_shader(how.vertex(), fragment, flags), state)
     })
 }
 
@@ -94,7 +98,7 @@ pub(super) fn fold_pass(light: &LightPlan<'_>, depth: &DepthTarget) -> Pass {
         depth: Some(depth.clone()),
         draws: vec![Draw {
             name: "fold".into(),
-            shader: Some(volume_shader("fullscreen_vertex", None)),
+            shader: Some(volume_shader("fullscreen_vertex", None, &[])),
             state,
             geometry: Geometry::Procedural { vertices: 3, instances: 1 },
             bindings: vec![],

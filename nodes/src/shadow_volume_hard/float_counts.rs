@@ -65,7 +65,7 @@ pub(super) fn count_in_float(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) 
         depth: None,
         draws: vec![Draw {
             name: "darken".into(),
-            shader: Some(volume_shader("fullscreen_vertex", Some("darken_counted"))),
+            shader: Some(volume_shader("fullscreen_vertex", Some("darken_counted"), &[])),
             state: DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]),
             geometry: Geometry::Procedural { vertices: 3, instances: 1 },
             bindings: vec![(2, Binding::Texture(counts))],

@@ -157,7 +157,7 @@ fn product_draws(light: &mut LightPlan<'_>, glass: &[Tinted<'_>], smallest: f64)
         "what a surface of each caster lets pass",
     );
     let draws = |(volume, record): (&Volume<'_>, u32)| {
-        let mut draws = volume_draws(volume, record, &buffers, |how| {
+        let mut draws = volume_draws(volume, record, &buffers, |how, flags| {
             let compare = float_state(volume.z_fail, how).depth_compare;
             let turned = (how.weight < 0) != volume.z_fail;
             let fragment = match (how.front_faces(), turned) {
@@ -168,7 +168,7 @@ fn product_draws(light: &mut LightPlan<'_>, glass: &[Tinted<'_>], smallest: f64)
                 (Some(false), false) => "divide_back",
                 (Some(false), true) => "multiply_back",
             };
-            (shader(&[], how.vertex(), fragment), DrawState::new(compare, vec![Some(MULTIPLY)]))
+            (shader(flags, how.vertex(), fragment), DrawState::new(compare, vec![Some(MULTIPLY)]))
         });
         draws.iter_mut().for_each(|draw| draw.bindings.push((2, Binding::Storage(factors))));
         draws

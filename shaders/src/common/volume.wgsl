@@ -13,14 +13,32 @@ struct Volume {
     // Where volumes end, in local space: {x : normal·x = offset}.
     end_normal: vec3f,
     end_offset: f32,
-    // How they end: 0 at infinity, 1 on the end plane, 2 as a copy scaled about the light by `end_scale`.
+    // How they end: 0 at infinity, 1 on the end plane, 2 as a copy scaled about the light by 1 + `end_scale`, 3 as far as
+    // `end_scale` from where they begin.
     end_kind: u32,
     end_scale: f32,
     instance: u32,
-    pad_0: u32,
+    // Where its cut vertices begin.
+    first_cut: u32,
 }
 
 @group(1) @binding(1) var<storage, read> volumes: array<Volume>;
+
+#if CUT_EDGES
+// Where an edge or a face is cut that the light all but touches, in local space; and from there the direction away from the
+// light, which positions of f32 would not tell.
+struct CutVertex {
+    position: vec3f,
+    pad_0: u32,
+    away: vec3f,
+    pad_1: u32,
+}
+
+@group(1) @binding(4) var<storage, read> cut_vertices: array<CutVertex>;
+
+// Vertices from this number on are cut vertices.
+const FIRST_CUT: u32 = 0x20000000u;
+#endif
 
 // Depths of volumes are moved by these shares of themselves, so that what touches a surface is told from what stands before
 // it. All of them are below what depth can tell apart, and below what measures allow it to be off.
@@ -50,14 +68,24 @@ fn moved_nearer(clip: vec4f, share: f32) -> vec4f {
 // 1 such a corner a little before the surface, 3 the vertex's extruded twin. Caps are moved nearer by `cap_nearer`.
 fn volume_clip(index: u32, volume_index: u32, cap_nearer: f32) -> vec4f {
     let volume = volumes[volume_index];
-    let p = local_position(index >> 2u);
     let kind = index & 3u;
+    let vertex = index >> 2u;
+#if CUT_EDGES
+    let is_cut = vertex >= FIRST_CUT;
+    let cut = cut_vertices[select(0u, volume.first_cut + vertex - FIRST_CUT, is_cut)];
+    let p = select(local_position(select(vertex, 0u, is_cut)), cut.position, is_cut);
+#else
+    let p = local_position(vertex);
+#endif
     if kind != 3u {
         let shift = select(select(-SIDE_SHIFT, AHEAD_SHIFT, kind == 1u), cap_nearer, kind == 0u);
         return moved_nearer(clip_from_local(volume.instance, p), shift);
     }
     // The direction in which the vertex is extruded: w·v − l.
-    let away = (p * volume.light_high.w - volume.light_high.xyz) - volume.light_low.xyz;
+    var away = (p * volume.light_high.w - volume.light_high.xyz) - volume.light_low.xyz;
+#if CUT_EDGES
+    away = select(away, cut.away, is_cut);
+#endif
     let away_in_view = view_direction_from_local(volume.instance, away);
     if volume.end_kind == 0u {
         return frame.clip_from_view * vec4f(away_in_view, 0.0);
@@ -65,6 +93,9 @@ fn volume_clip(index: u32, volume_index: u32, cap_nearer: f32) -> vec4f {
     var stretch = volume.end_scale;
     if volume.end_kind == 1u {
         stretch = (volume.end_offset - dot(volume.end_normal, p)) / dot(volume.end_normal, away);
+    }
+    if volume.end_kind == 3u {
+        stretch = volume.end_scale / max(length(away_in_view), 1e-37);
     }
     let end_in_view = view_from_local(volume.instance, p) + away_in_view * stretch;
     return moved_nearer(frame.clip_from_view * vec4f(end_in_view, 1.0), -SIDE_SHIFT);

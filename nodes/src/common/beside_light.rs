@@ -1,0 +1,179 @@
+//! Volumes of casters that a lamp all but touches.
+//!
+//! From a lamp close over a face, the face's edges span almost half circles, and the face half of all directions. The way
+//! between directions that are all but opposite is then nothing that f32 could tell, and whole regions would be dark or lit by
+//! rounding. So edges are cut where they pass the lamp, and faces right under it: each part is seen under a tame angle, from
+//! however near. What is extruded from a cut, and from corners next to the lamp, is reckoned in f64 and handed to the shader as
+//! a direction.
+//!
+//! *Why it cannot leak.* An edge is cut at a place that depends on its ends and the lamp alone, so all triangles and sides at
+//! it are cut there. The parts of a triangle have its sign; between them sides cancel and are not drawn.
+
+use std::collections::HashMap;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DAffine3, DVec3, DVec4};
+use shadowgraph_engine::math::Aabb;
+use shadowgraph_engine::scene::Instance;
+
+use super::extrusion::{BESIDE, End};
+use super::listed::Layout;
+use crate::layout;
+
+/// `struct CutVertex` of the shadow volume shaders.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[allow(missing_docs, reason = "documented where the shader reads them")]
+pub struct CutVertex {
+    pub position: [f32; 3],
+    pub pad_0: u32,
+    pub away: [f32; 3],
+    pub pad_1: u32,
+}
+
+impl CutVertex {
+    /// The structure as it is here: what the layout test compares.
+    pub fn layout() -> Layout {
+        layout!(CutVertex: position, pad_0, away, pad_1)
+    }
+}
+
+/// Vertices from this number on are no vertices of the mesh: `FIRST_CUT` of common/volume.wgsl.
+pub const FIRST_CUT: u32 = 1 << 29;
+
+/// How wide the lamp may see what is not cut.
+#[derive(Clone, Copy)]
+struct Widest {
+    /// Edges that it sees under a wider angle are cut: its cosine.
+    cosine: f64,
+    /// Faces this near under it are cut, as a share of the distance of their nearest corner.
+    near_face: f64,
+}
+
+/// 172 degrees: half way between, directions still have nearly all digits.
+const TAME: Widest = Widest { cosine: -0.99, near_face: 1e-2 };
+/// For volumes that end at a distance, which is flat between directions.
+const RIGHT_ANGLE: Widest = Widest { cosine: 0.0, near_face: f64::INFINITY };
+/// Corners this near to the lamp are handed over as directions, in shares of the caster's radius.
+const NEAR_CORNER: f64 = 1e-3;
+/// Cuts the edges and triangles of one caster.
+pub(super) struct Cutter<'a> {
+    p_in_world: &'a [DVec3],
+    light: DVec3,
+    radius_m: f64,
+    widest: Widest,
+    shader_from_world: DAffine3,
+    /// What was cut so far.
+    pub(super) cuts: Vec<CutVertex>,
+    edges: HashMap<(u32, u32), Option<u32>>,
+    corners: HashMap<u32, u32>,
+}
+
+impl<'a> Cutter<'a> {
+    /// `None` where the light is nowhere near the caster, whose vertices are at `p_in_world`. The volume is to end at `end`.
+    pub(super) fn new(
+        instance: &Instance,
+        p_in_world: &'a [DVec3],
+        light: DVec4,
+        end: End,
+    ) -> Option<Self> {
+        let bounds: &Aabb = &instance.world_bounds;
+        let (radius_m, position) = (bounds.radius(), light.truncate());
+        if light.w == 0.0 || bounds.distance(position) > BESIDE * radius_m {
+            return None;
+        }
+        Some(Self {
+            p_in_world,
+            light: position,
+            radius_m,
+            widest: if matches!(end, End::Reach(_)) { RIGHT_ANGLE } else { TAME },
+            shader_from_world: instance.world_from_shader().inverse(),
+            cuts: Vec::new(),
+            edges: HashMap::new(),
+            corners: HashMap::new(),
+        })
+    }
+
+    fn away(&self, vertex: u32) -> DVec3 {
+        self.p_in_world[vertex as usize] - self.light
+    }
+
+    /// A new vertex at `away` from the lamp.
+    fn cut(&mut self, away: DVec3) -> u32 {
+        let position = self.shader_from_world.transform_point3(self.light + away);
+        // Of any length: as long as the caster, so that its square stays in the range of f32.
+        let away = away * (self.radius_m / away.length().max(f64::MIN_POSITIVE));
+        let away = self.shader_from_world.transform_vector3(away);
+        self.cuts.push(CutVertex {
+            position: position.as_vec3().to_array(),
+            away: away.as_vec3().to_array(),
+            ..CutVertex::default()
+        });
+        FIRST_CUT + self.cuts.len() as u32 - 1
+    }
+
+    /// The vertex itself, or what stands for it next to the lamp.
+    fn corner(&mut self, vertex: u32) -> u32 {
+        let away = self.away(vertex);
+        // A lamp on the corner itself leaves no direction; all triangles there are edge-on.
+        if away == DVec3::ZERO || away.length() > NEAR_CORNER * self.radius_m {
+            return vertex;
+        }
+        if let Some(known) = self.corners.get(&vertex) {
+            return *known;
+        }
+        let cut = self.cut(away);
+        self.corners.insert(vertex, cut);
+        cut
+    }
+
+    /// Where the edge between two vertices passes the lamp, if that is wide.
+    fn middle(&mut self, p: u32, q: u32) -> Option<u32> {
+        let ends = (p.min(q), p.max(q));
+        if let Some(known) = self.edges.get(&ends) {
+            return *known;
+        }
+        let (from, to) = (self.away(ends.0), self.away(ends.1));
+        let along = to - from;
+        let foot = from - along * (from.dot(along) / along.length_squared());
+        let is_wide = from.dot(to) < self.widest.cosine * from.length() * to.length() && foot != DVec3::ZERO;
+        let cut = is_wide.then(|| self.cut(foot));
+        self.edges.insert(ends, cut);
+        cut
+    }
+
+    /// The vertices along the edge from `p` to `q`.
+    pub(super) fn edge(&mut self, p: u32, q: u32) -> Vec<u32> {
+        let middle = self.middle(p, q);
+        [Some(self.corner(p)), middle, Some(self.corner(q))].into_iter().flatten().collect()
+    }
+
+    /// The triangles that a triangle is cut into, wound as it is; itself where it is not cut.
+    pub(super) fn triangle(&mut self, [a, b, c]: [u32; 3]) -> Vec<[u32; 3]> {
+        let mut outline = Vec::with_capacity(6);
+        for (p, q) in [(a, b), (b, c), (c, a)] {
+            let mut vertices = self.edge(p, q);
+            vertices.pop();
+            outline.append(&mut vertices);
+        }
+        if let Some(foot) = self.foot([a, b, c]) {
+            let hub = self.cut(foot);
+            return (0..outline.len()).map(|i| [hub, outline[i], outline[(i + 1) % outline.len()]]).collect();
+        }
+        // From a cut, if there is one: from a corner, parts along its cut edges would have no area.
+        let is_middle = |vertex: &u32| !self.corners.values().any(|c| c == vertex) && *vertex >= FIRST_CUT;
+        let hub = outline.iter().position(is_middle).unwrap_or(0);
+        outline.rotate_left(hub);
+        outline[1..].windows(2).map(|pair| [outline[0], pair[0], pair[1]]).collect()
+    }
+
+    /// The way from the lamp to the place right under it on a triangle, if that is near and on it.
+    fn foot(&self, corners: [u32; 3]) -> Option<DVec3> {
+        let [a, b, c] = corners.map(|vertex| self.away(vertex));
+        let normal = (b - a).cross(c - a).try_normalize()?;
+        let height = normal.dot(a);
+        let nearest = a.length().min(b.length()).min(c.length());
+        let inside = [(a, b), (b, c), (c, a)].iter().all(|(p, q)| normal.dot(p.cross(*q)) > 0.0);
+        (inside && height != 0.0 && height.abs() < self.widest.near_face * nearest).then_some(normal * height)
+    }
+}
