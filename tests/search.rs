@@ -9,9 +9,13 @@ use std::sync::Arc;
 
 use shadowgraph::engine::plan::{Draw, Geometry};
 use shadowgraph::engine::scene::{Instance, Params};
-use shadowgraph::engine::shadow::{Catalog, LightPlan, Requirements, ShadowError, ShadowTechnique, TechniqueEntry};
+use shadowgraph::engine::shadow::{
+    Catalog, LightPlan, Requirements, ShadowError, ShadowTechnique, TechniqueEntry,
+};
 use shadowgraph::prelude::*;
-use shadowgraph::search::{Bend, Family, FailureKind, Judge, Recipe, Tally, Verdict, Wear, recipe_of, shrink};
+use shadowgraph::search::{
+    Bend, FailureKind, Family, Judge, Recipe, Tally, Verdict, Wear, recipe_of, shrink,
+};
 
 /// The seeds that every change must pass: about a minute on two cores.
 const FIXED_SEEDS: std::ops::Range<u64> = 0..300;
@@ -65,7 +69,9 @@ fn every_family_has_what_it_says() {
     assert!(some(Family::Glass, glass) && some(Family::Ties, glass) && some(Family::NodesMixed, glass));
     assert!(some(Family::Masks, mask) && some(Family::Ties, mask) && some(Family::Ties, single));
     assert!(some(Family::NodesMixed, |recipe| recipe.nodes.len() > 1));
-    for bent in [|bend: &Bend| matches!(bend, Bend::Skin { .. }), |bend: &Bend| matches!(bend, Bend::Morph { .. })] {
+    for bent in
+        [|bend: &Bend| matches!(bend, Bend::Skin { .. }), |bend: &Bend| matches!(bend, Bend::Morph { .. })]
+    {
         assert!(some(Family::Bent, |recipe| recipe.bodies.iter().any(|body| bent(&body.bend))));
     }
     assert!(some(Family::Stretched, |recipe| recipe.bodies.iter().any(is_long)));
@@ -75,7 +81,10 @@ fn every_family_has_what_it_says() {
     let beside = |recipe: &Recipe, least: f64, most: f64| {
         let corners = recipe.bodies.iter().flat_map(|b| (0..b.triangles.len()).flat_map(|t| b.corners(t)));
         let corners: Vec<DVec3> = corners.collect();
-        recipe.lamps.iter().any(|lamp| corners.iter().any(|c| (least..=most).contains(&c.distance(lamp.position))))
+        recipe
+            .lamps
+            .iter()
+            .any(|lamp| corners.iter().any(|c| (least..=most).contains(&c.distance(lamp.position))))
     };
     assert!(some(Family::LampBeside, |recipe| beside(recipe, 0.0, 0.0)));
     assert!(some(Family::LampBeside, |recipe| beside(recipe, 1e-13, 1e-4)));
@@ -93,7 +102,8 @@ fn is_long(body: &shadowgraph::search::Body) -> bool {
     (0..body.triangles.len()).any(|triangle| {
         let [a, b, c] = body.corners(triangle);
         let sides = [a.distance(b), b.distance(c), c.distance(a)];
-        let [least, most] = [sides.iter().copied().fold(f64::MAX, f64::min), sides.into_iter().fold(0.0, f64::max)];
+        let [least, most] =
+            [sides.iter().copied().fold(f64::MAX, f64::min), sides.into_iter().fold(0.0, f64::max)];
         most > 10_000.0 * least
     })
 }
@@ -108,7 +118,8 @@ fn edges_of(body: &shadowgraph::search::Body) -> (usize, usize, bool) {
         let (a, b) = (t[i], t[(i + 1) % 3]);
         (a.min(b), a.max(b))
     };
-    let mut edges: Vec<_> = body.triangles.iter().flat_map(|t| [edge(t, 0), edge(t, 1), edge(t, 2)]).collect();
+    let mut edges: Vec<_> =
+        body.triangles.iter().flat_map(|t| [edge(t, 0), edge(t, 1), edge(t, 2)]).collect();
     edges.sort_unstable();
     let many = edges.windows(3).any(|three| three[0] == three[1] && three[1] == three[2]);
     (body.positions.len(), body.triangles.len(), many)
@@ -156,7 +167,9 @@ fn a_broken_technique_is_found_and_made_small() {
     let Some(renderer) = common::renderer() else { return };
     let mut catalog = Catalog::new();
     catalog.register(TechniqueEntry {
-        from_params: |_| Ok(Arc::new(Broken(ShadowVolumeHard { depth_test: DepthTest::ZFail, ..Default::default() }))),
+        from_params: |_| {
+            Ok(Arc::new(Broken(ShadowVolumeHard { depth_test: DepthTest::ZFail, ..Default::default() })))
+        },
         settings: &[],
         ..ShadowVolumeHard::ENTRY
     });

@@ -82,11 +82,12 @@ fn keep(
     failure: &Failure,
     args: &FuzzArgs,
 ) -> Result<(), CommandFailure> {
-    // A region must not dwindle to a single pixel, which may fail for another reason.
+    // A region must not dwindle to a single pixel, nor a pixel grow to a region: those fail for other reasons.
     let least = failure.pixels.min((failure.pixels / 8).max(4));
+    let most = failure.pixels.max(4).saturating_mul(6);
     let mut last = failure.clone();
     let small = shrink(recipe, args.trials, &mut |smaller| match judge.judge(smaller) {
-        Verdict::Wrong(found) if found.kind == failure.kind && found.pixels >= least => {
+        Verdict::Wrong(found) if found.kind == failure.kind && (least..=most).contains(&found.pixels) => {
             last = found;
             true
         }

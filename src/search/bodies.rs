@@ -15,9 +15,7 @@ pub(super) fn solid(random: &mut Random) -> Body {
             shapes::cuboid(-half, half)
         }
         3 => shapes::icosphere(size, 1),
-        4 => {
-            shapes::cylinder(size * 0.6, size * 1.5, random.whole(3, 9) as u32, Ends::Closed)
-        }
+        4 => shapes::cylinder(size * 0.6, size * 1.5, random.whole(3, 9) as u32, Ends::Closed),
         5 => shapes::cone(size, size * 1.5, random.whole(3, 8) as u32, Ends::Closed),
         _ => shapes::torus(size, size * 0.35, random.whole(5, 9) as u32, random.whole(3, 6) as u32),
     };

@@ -203,7 +203,13 @@ impl Brute {
 }
 
 impl Disagreement {
-    fn count(&mut self, reference: &LightReference, pixel: usize, reference_differs: bool, drawn_differs: bool) {
+    fn count(
+        &mut self,
+        reference: &LightReference,
+        pixel: usize,
+        reference_differs: bool,
+        drawn_differs: bool,
+    ) {
         if reference.ambiguous[pixel] {
             self.excused += usize::from(drawn_differs);
         } else {

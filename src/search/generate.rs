@@ -261,7 +261,9 @@ impl Draft<'_> {
 
     /// Now and then the last pane once or twice more, its corners in another order.
     fn coincident_panes(&mut self) {
-        let Some(pane) = self.recipe.bodies.last().cloned().filter(|_| self.random.chance(0.25)) else { return };
+        let Some(pane) = self.recipe.bodies.last().cloned().filter(|_| self.random.chance(0.25)) else {
+            return;
+        };
         for _ in 0..self.random.whole(1, 2) {
             let mut again = pane.clone();
             match self.random.whole(0, 2) {
@@ -365,9 +367,15 @@ impl Draft<'_> {
             for darkening in ["passes", "apply", "weight"] {
                 params.remove(darkening);
             }
-            let lamps: Vec<usize> = (0..self.recipe.lamps.len()).filter(|_| self.random.chance(0.7)).collect();
+            let lamps: Vec<usize> =
+                (0..self.recipe.lamps.len()).filter(|_| self.random.chance(0.7)).collect();
             let lamps = if lamps.is_empty() { None } else { Some(lamps) };
-            self.recipe.nodes.push(Caster { technique: technique.into(), params, lamps, bodies: Some(group) });
+            self.recipe.nodes.push(Caster {
+                technique: technique.into(),
+                params,
+                lamps,
+                bodies: Some(group),
+            });
         }
     }
 

@@ -11,7 +11,7 @@ use shadowgraph_engine::gltf;
 use shadowgraph_engine::gpu::GpuError;
 use shadowgraph_engine::manager::{FrameError, FrameRequest, RenderError, Renderer};
 use shadowgraph_engine::scene::{ParamValue, Posed, PosedLight, Scene};
-use shadowgraph_engine::shadow::{Catalog, Claim, Registry, ShadowTechnique};
+use shadowgraph_engine::shadow::{Catalog, Claim, Registry, ShadowError, ShadowTechnique};
 
 use super::{Brute, Recipe, RecipeError};
 use crate::measure::{
@@ -216,7 +216,10 @@ fn broken(kind: FailureKind, line: String) -> Verdict {
 /// A refusal, if it is one by type; else a failure.
 fn of_error(error: &EvaluateError) -> Verdict {
     let is_refusal = match error {
-        EvaluateError::Render(RenderError::Shadow(_) | RenderError::Frame(FrameError::Shadow(_))) => true,
+        // A plan that is not valid is a technique's mistake.
+        EvaluateError::Render(RenderError::Shadow(error) | RenderError::Frame(FrameError::Shadow(error))) => {
+            !matches!(error, ShadowError::Plan(_))
+        }
         EvaluateError::Render(RenderError::Frame(error)) => matches!(error, FrameError::TooManyLayers { .. }),
         EvaluateError::Render(RenderError::Gpu(error)) => matches!(
             error,
@@ -352,7 +355,11 @@ fn against_brute_force(
         let name = &light.name;
         if found.reference > 0 {
             let text = format!("{name}: brute force contradicts the reference in {} pixels", found.reference);
-            failures.push(Failure { kind: FailureKind::Reference, pixels: found.reference, lines: vec![text] });
+            failures.push(Failure {
+                kind: FailureKind::Reference,
+                pixels: found.reference,
+                lines: vec![text],
+            });
         }
         if found.excused > BAND_FLOOR_PIXELS {
             let text = format!("{name}: {} wrong pixels are excused by the band", found.excused);

@@ -80,7 +80,8 @@ pub(super) fn special(random: &mut Random, body: &Body, kinds: Kinds) -> Lamp {
     let off = beside(random);
     if lamp.kind == LightKind::Directional {
         let [a, b, c] = corners;
-        let along = if random.chance(0.5) { b - a } else { (b - a) * random.unit() + (c - a) * random.unit() };
+        let along =
+            if random.chance(0.5) { b - a } else { (b - a) * random.unit() + (c - a) * random.unit() };
         let along = along.try_normalize().unwrap_or(lamp.direction);
         let along = if along.y > 0.0 { -along } else { along };
         lamp.direction = (along + random.direction() * off).normalize();
@@ -133,7 +134,9 @@ pub(super) fn close_eye(random: &mut Random, body: &Body) -> Eye {
     }
     let near_m = random.by_powers(1e-3, 0.2);
     eye.projection = match eye.projection {
-        Projection::Perspective { .. } => Projection::Perspective { fov_y_rad: random.within(0.8, 1.8), near_m },
+        Projection::Perspective { .. } => {
+            Projection::Perspective { fov_y_rad: random.within(0.8, 1.8), near_m }
+        }
         Projection::Orthographic { half_height_m, far_m, .. } => {
             Projection::Orthographic { half_height_m: half_height_m * 0.3, near_m, far_m }
         }

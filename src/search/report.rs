@@ -69,7 +69,11 @@ impl Tally {
 
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{:<13} {:>6} {:>8} {:>6} {:>8} {:>6}", "kind", "scenes", "shadowed", "empty", "refused", "wrong")?;
+        writeln!(
+            f,
+            "{:<13} {:>6} {:>8} {:>6} {:>8} {:>6}",
+            "kind", "scenes", "shadowed", "empty", "refused", "wrong"
+        )?;
         let mut row = |name: &str, count: &Count| {
             let wrong: usize = count.wrong.values().sum();
             let Count { scenes, in_shadow, empty, refused, .. } = count;
@@ -115,10 +119,8 @@ pub fn write_failure(
     let scene = recipe.build(catalog)?;
     gltf::save(&scene, &path)?;
     let text = folder.join(format!("{name}.txt"));
-    std::fs::write(&text, describe(&name, recipe, failure)).map_err(|source| gltf::GltfError::Io {
-        path: text.display().to_string(),
-        source,
-    })?;
+    std::fs::write(&text, describe(&name, recipe, failure))
+        .map_err(|source| gltf::GltfError::Io { path: text.display().to_string(), source })?;
     Ok(path)
 }
 
@@ -135,7 +137,8 @@ fn describe(name: &str, recipe: &Recipe, failure: &Failure) -> String {
         let _ = writeln!(text, "{lamp:?}");
     }
     for node in &recipe.nodes {
-        let options: Vec<String> = node.params.iter().map(|(name, value)| format!("{name}={value}")).collect();
+        let options: Vec<String> =
+            node.params.iter().map(|(name, value)| format!("{name}={value}")).collect();
         let scopes = format!("lamps {:?} bodies {:?}", node.lamps, node.bodies);
         let _ = writeln!(text, "{}:{} {scopes}", node.technique, options.join(","));
     }
