@@ -102,13 +102,15 @@ pub(super) fn eye(random: &mut Random) -> Eye {
     let mut from = random.direction();
     from.y = from.y.abs() + 0.1;
     let target = DVec3::Y * 0.5 + random.point(0.5).as_dvec3();
-    let position = target + from.normalize() * random.within(3.0, 8.0);
-    let projection = if random.chance(0.25) {
+    if random.chance(0.25) {
+        // From so far that the near plane cuts none of what most families have: that is what close eyes are for.
         let half_height_m = random.within(1.0, 4.0);
-        Projection::Orthographic { half_height_m, near_m: 0.1, far_m: random.within(20.0, 100.0) }
-    } else {
-        Projection::Perspective { fov_y_rad: random.within(0.5, 1.4), near_m: 0.1 }
-    };
+        let projection =
+            Projection::Orthographic { half_height_m, near_m: 0.1, far_m: random.within(40.0, 100.0) };
+        return Eye { position: target + from.normalize() * random.within(11.0, 20.0), target, projection };
+    }
+    let position = target + from.normalize() * random.within(3.0, 8.0);
+    let projection = Projection::Perspective { fov_y_rad: random.within(0.5, 1.4), near_m: 0.1 };
     Eye { position, target, projection }
 }
 

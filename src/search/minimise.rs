@@ -1,6 +1,7 @@
 //! Taking away from a scene that fails whatever it fails without.
 
 use glam::DVec3;
+use shadowgraph_engine::math::Projection;
 use shadowgraph_engine::scene::LightKind;
 
 use super::recipe::{Bend, Body, Recipe, Wear};
@@ -91,6 +92,11 @@ impl Shrinking<'_> {
     /// Plainer surfaces, lights and transforms.
     fn plainer(&mut self) {
         self.attempt(|recipe| recipe.shift = DVec3::ZERO);
+        self.attempt(|recipe| {
+            if let Projection::Orthographic { near_m, .. } = recipe.eye.projection {
+                recipe.eye.projection = Projection::Perspective { fov_y_rad: 0.8, near_m };
+            }
+        });
         for lamp in 0..self.smallest.lamps.len() {
             self.attempt(|recipe| recipe.lamps[lamp].range_m = None);
             self.attempt(|recipe| {
