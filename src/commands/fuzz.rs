@@ -87,7 +87,7 @@ fn keep(
     let most = failure.pixels.max(4).saturating_mul(6);
     let mut last = failure.clone();
     let small = shrink(recipe, args.trials, &mut |smaller| match judge.judge(smaller) {
-        Verdict::Wrong(found) if found.kind == failure.kind && (least..=most).contains(&found.pixels) => {
+        Verdict::Wrong(found) if found.is_like(failure) && (least..=most).contains(&found.pixels) => {
             last = found;
             true
         }

@@ -74,6 +74,18 @@ pub struct Failure {
     pub lines: Vec<String>,
 }
 
+impl Failure {
+    /// Whether the other one may be the same mistake: of one kind, and for errors of one variant.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let error = |failure: &Self| {
+            let is_error = matches!(failure.kind, FailureKind::Error | FailureKind::Panic);
+            let line = failure.lines.first().filter(|_| is_error)?;
+            line.split(['{', '\'']).next().map(str::to_owned)
+        };
+        self.kind == other.kind && error(self) == error(other)
+    }
+}
+
 /// What came of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {

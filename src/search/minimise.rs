@@ -185,6 +185,9 @@ fn remove_body(recipe: &mut Recipe, place: usize) {
 /// Takes out triangles, and the corners that no other has.
 fn remove_triangles(body: &mut Body, gone: std::ops::Range<usize>) {
     body.triangles.drain(gone);
+    if body.triangles.is_empty() {
+        body.bend = Bend::None;
+    }
     let mut is_used = vec![false; body.positions.len()];
     body.triangles.iter().flatten().for_each(|corner| is_used[*corner as usize] = true);
     let mut next = 0;
