@@ -170,8 +170,8 @@ impl Draft<'_> {
             let body = bodies::solid(&mut self.random);
             self.placed(body);
         }
-        if self.random.chance(0.6) {
-            self.recipe.eye = lamps::low_eye(&mut self.random);
+        if self.random.chance(0.7) {
+            self.recipe.eye = lamps::far_look(&mut self.random);
         }
         self.open_lamps(1, 1);
         self.one_of(&[HARD, SOFT, SOFT, TRANSPARENT], Sizes::Plain);

@@ -153,3 +153,14 @@ pub(super) fn low_eye(random: &mut Random) -> Eye {
     eye.target = Vec3::new(0.0, random.within_f32(-0.1, 0.3), 0.0).as_dvec3();
     eye
 }
+
+/// An eye a little above the ground that looks into the distance, along roads and past them.
+pub(super) fn far_look(random: &mut Random) -> Eye {
+    let mut eye = eye(random);
+    let far = random.within(20.0, 100.0);
+    let way = random.direction() * DVec3::new(far, 0.0, far);
+    eye.position = DVec3::Y * random.within(0.5, 4.0) - way * random.unit();
+    eye.target = eye.position + way - DVec3::Y * random.within(0.0, 3.0);
+    eye.projection = Projection::Perspective { fov_y_rad: random.within(0.5, 1.4), near_m: 0.1 };
+    eye
+}
