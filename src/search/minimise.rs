@@ -70,7 +70,10 @@ impl Shrinking<'_> {
                 let mut start = 0;
                 while start < self.smallest.bodies[body].triangles.len() {
                     let end = (start + run).min(self.smallest.bodies[body].triangles.len());
-                    let gone = self.attempt(|recipe| remove_triangles(&mut recipe.bodies[body], start..end));
+                    // Without triangles a body would still be named by nodes: `parts` takes it away as a whole.
+                    let is_all = end - start == self.smallest.bodies[body].triangles.len();
+                    let gone = !is_all
+                        && self.attempt(|recipe| remove_triangles(&mut recipe.bodies[body], start..end));
                     if !gone {
                         start = end;
                     }
@@ -185,9 +188,6 @@ fn remove_body(recipe: &mut Recipe, place: usize) {
 /// Takes out triangles, and the corners that no other has.
 fn remove_triangles(body: &mut Body, gone: std::ops::Range<usize>) {
     body.triangles.drain(gone);
-    if body.triangles.is_empty() {
-        body.bend = Bend::None;
-    }
     let mut is_used = vec![false; body.positions.len()];
     body.triangles.iter().flatten().for_each(|corner| is_used[*corner as usize] = true);
     let mut next = 0;
