@@ -12,9 +12,10 @@ use shadowgraph::engine::scene::{Instance, Params};
 use shadowgraph::engine::shadow::{
     Catalog, LightPlan, Requirements, ShadowError, ShadowTechnique, TechniqueEntry,
 };
+use shadowgraph::measure::evaluate;
 use shadowgraph::prelude::*;
 use shadowgraph::search::{
-    Bend, FailureKind, Family, Judge, Recipe, Tally, Verdict, Wear, recipe_of, shrink,
+    Bend, Brute, FailureKind, Family, Judge, Recipe, Tally, Verdict, Wear, recipe_of, shrink,
 };
 
 /// The seeds that every change must pass: about a minute on two cores.
@@ -193,4 +194,31 @@ fn a_broken_technique_is_found_and_made_small() {
     println!("{} triangles of {}", small.triangle_count(), found.triangle_count());
     assert!(small.triangle_count() <= 6 && small.lamps.len() == 1 && small.nodes.len() == 1, "{small:#?}");
     assert_eq!(wrong(&mut sound, &small), None);
+}
+
+#[test]
+fn brute_force_sees_what_the_reference_and_its_band_get_wrong() {
+    let Some(mut renderer) = common::renderer() else { return };
+    let recipe = recipe_of(0, Family::Open, renderer.catalog());
+    let scene = recipe.build(renderer.catalog()).unwrap();
+    let posed = scene.pose().unwrap();
+    let request = FrameRequest::new(posed.cameras[0].clone(), recipe.size_px);
+    let mut evaluation = evaluate(&mut renderer, &scene, &request, &|_, _| {}).unwrap();
+    let brute = Brute::new(&posed).unwrap();
+    let query = evaluation.queries[0].clone();
+    let sound = brute.compare(&posed, &request, &evaluation, (0, &query));
+    assert_eq!((sound.reference, sound.excused), (0, 0));
+    let compared = evaluation.errors[0].compared;
+    // A reference that has light and shadow the other way round.
+    let right = Arc::clone(&evaluation.reference);
+    let light = &mut Arc::make_mut(&mut evaluation.reference).lights[0];
+    light.factor.iter_mut().for_each(|factor| *factor = 1.0 - *factor);
+    let turned = brute.compare(&posed, &request, &evaluation, (0, &query));
+    assert!(turned.reference * 10 > compared * 8, "{turned:?} of {compared}");
+    // A picture that has, and a band that excuses everything.
+    evaluation.reference = right;
+    Arc::make_mut(&mut evaluation.reference).lights[0].ambiguous.fill(true);
+    evaluation.measured.lights[0].1.iter_mut().for_each(|factor| *factor = 1.0 - *factor);
+    let excused = brute.compare(&posed, &request, &evaluation, (0, &query));
+    assert!(excused.excused * 10 > compared * 8 && excused.reference == 0, "{excused:?} of {compared}");
 }

@@ -137,16 +137,16 @@ impl Brute {
         if sides.contains(&1) && sides.contains(&-1) {
             return Way::Clear;
         }
+        // What lies in the receiver's own plane casts nothing on it, nor on points moved a little off it.
+        let receiver_normal = (rb - ra).cross(rc - ra).normalize_or_zero();
+        let off_receiver = |corner: &DVec3| receiver_normal.dot(*corner - ra).abs() > self.in_plane_m;
+        if !blocker.corners.iter().any(off_receiver) {
+            return Way::Clear;
+        }
         let normal = (b - a).cross(c - a).normalize_or_zero();
         let height_m = normal.dot(point - a);
         if height_m.abs() <= self.in_plane_m {
-            let receiver_normal = (rb - ra).cross(rc - ra).normalize_or_zero();
-            let is_coplanar = blocker
-                .corners
-                .iter()
-                .all(|corner| receiver_normal.dot(*corner - ra).abs() <= self.in_plane_m);
-            // What lies in the receiver's own plane casts nothing on it.
-            return if is_coplanar { Way::Clear } else { Way::Touched };
+            return Way::Touched;
         }
         if (height_m > 0.0) == (light_side > 0) {
             return Way::Clear;
