@@ -27,6 +27,7 @@ pub mod cases;
 pub mod demo;
 pub mod measure;
 mod receivers;
+pub mod search;
 
 pub use shadowgraph_engine as engine;
 pub use shadowgraph_nodes as nodes;

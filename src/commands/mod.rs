@@ -4,6 +4,7 @@ mod args;
 mod assets;
 mod demo;
 mod files;
+mod fuzz;
 mod inspect;
 mod output;
 mod render;
@@ -48,6 +49,11 @@ enum Command {
     Demo(demo::DemoArgs),
     /// Writes the demo scenes as .glb files with shadow nodes.
     Assets(assets::AssetsArgs),
+    /// Searches random scenes for shadows that are wrong, and writes those it finds as small as they fail.
+    ///
+    /// Prints what kinds of scene were held against the reference, how many are wrong and how many were refused, by which
+    /// error. The exit code is 1 when a scene is wrong.
+    Fuzz(fuzz::FuzzArgs),
 }
 
 /// Why a command failed.
@@ -93,8 +99,9 @@ pub(crate) fn run() -> ExitCode {
             Some(Command::Report(args)) => report::run(args),
             Some(Command::Demo(args)) => demo::run(args),
             Some(Command::Assets(args)) => assets::run(args),
+            Some(Command::Fuzz(args)) => fuzz::run(args),
             None => Err(Failure::Usage(
-                "a command is needed: render, inspect, report, demo or assets (see --help)".into(),
+                "a command is needed: render, inspect, report, demo, assets or fuzz (see --help)".into(),
             )),
         },
         Err(asked) if matches!(asked.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {

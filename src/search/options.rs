@@ -1,0 +1,103 @@
+//! The options that a technique has, asked of the technique itself, so that a new option or value is searched from the day it
+//! is there.
+
+use shadowgraph_engine::scene::{ParamValue, Params};
+use shadowgraph_engine::shadow::{OptionError, TechniqueEntry};
+
+use super::Random;
+
+/// What an option accepts.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Accepts {
+    /// One of these words; the first is the default.
+    Words(Vec<String>),
+    /// A number.
+    Number,
+    /// Something else, a colour say.
+    Other,
+}
+
+/// Values that force what only some views and casters allow, refused elsewhere with a typed error: drawn rarely, since a
+/// refusal finds nothing.
+const FORCED: &[&str] = &["zpass", "closed", "toBounds"];
+
+/// Every option of a technique, by name.
+pub fn options(entry: &TechniqueEntry) -> Vec<(String, Accepts)> {
+    let Ok(technique) = (entry.from_params)(&Params::new()) else { return Vec::new() };
+    let accepts = |name: &String, default: &ParamValue| match default {
+        ParamValue::Text(_) => Accepts::Words(words(entry, name)),
+        ParamValue::Number(_) => Accepts::Number,
+        ParamValue::Flag(_) | ParamValue::Numbers(_) => Accepts::Other,
+    };
+    technique.params().iter().map(|(name, default)| (name.clone(), accepts(name, default))).collect()
+}
+
+/// The words that an option takes: what its complaint about another word says.
+fn words(entry: &TechniqueEntry, option: &str) -> Vec<String> {
+    let asked = Params::from([(option.to_owned(), ParamValue::Text("?".into()))]);
+    match (entry.from_params)(&asked) {
+        Err(OptionError::BadValue { accepted, .. }) => accepted.split(", ").map(str::to_owned).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// How large the lights of a scene are taken to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sizes {
+    /// As most scenes have it: some centimetres and a few degrees, now and then none at all.
+    Plain,
+    /// None, tiny, and wider than what stands about.
+    Extreme,
+    /// None: every soft technique then owes hard shadows.
+    None,
+}
+
+/// Options for a technique: some at other values than their defaults, all accepted together.
+pub(super) fn draw(random: &mut Random, entry: &TechniqueEntry, sizes: Sizes) -> Params {
+    let all = options(entry);
+    for _ in 0..20 {
+        let params: Params = all
+            .iter()
+            .filter_map(|(name, accepts)| Some((name.clone(), value(random, name, accepts, sizes)?)))
+            .collect();
+        if (entry.from_params)(&params).is_ok() {
+            return params;
+        }
+    }
+    Params::new()
+}
+
+/// Another value than the default, or none to leave it at that.
+fn value(random: &mut Random, name: &str, accepts: &Accepts, sizes: Sizes) -> Option<ParamValue> {
+    match accepts {
+        Accepts::Words(words) => {
+            let word = random.pick(words);
+            let allowed = if FORCED.contains(&word.as_str()) { 0.03 } else { 0.5 };
+            random.chance(allowed).then_some(ParamValue::Text(word))
+        }
+        Accepts::Number => number(random, name, sizes).map(ParamValue::Number),
+        Accepts::Other => None,
+    }
+}
+
+fn number(random: &mut Random, name: &str, sizes: Sizes) -> Option<f64> {
+    match (name, sizes) {
+        ("radius" | "angle", Sizes::None) => Some(0.0),
+        ("radius", Sizes::Plain) => Some(if random.chance(0.1) { 0.0 } else { random.by_powers(0.02, 0.8) }),
+        ("angle", Sizes::Plain) => Some(if random.chance(0.1) { 0.0 } else { random.by_powers(0.1, 10.0) }),
+        ("radius", Sizes::Extreme) => {
+            let drawn = random.by_powers(1e-7, 6.0);
+            Some(random.pick(&[0.0, 1e-6, 1e-4, 1.0, 5.0, drawn, drawn]))
+        }
+        ("angle", Sizes::Extreme) => {
+            let drawn = random.by_powers(1e-6, 40.0);
+            Some(random.pick(&[0.0, 1e-5, 30.0, drawn, drawn]))
+        }
+        // 16 mostly: a reference ray for each.
+        ("samples", _) => Some(random.pick(&[16.0, 16.0, 16.0, 64.0])),
+        ("resolution", _) => random.chance(0.5).then_some(512.0),
+        // It weighs what is seen, not the factors.
+        ("weight", _) => None,
+        _ => None,
+    }
+}
