@@ -251,7 +251,7 @@ fn counting_draws(light: &mut LightPlan<'_>, glass: &[Tinted<'_>]) -> Vec<Vec<Dr
                 Some(true) => "add_front",
                 Some(false) => "add_back",
             };
-            (shader(flags, how.vertex(), fragment), float_state(volume.z_fail, how))
+            (shader(flags, "vertex", fragment), float_state(volume.z_fail, how))
         })
     };
     volumes.iter().zip(0..).map(draws).collect()

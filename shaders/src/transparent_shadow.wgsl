@@ -11,13 +11,7 @@ struct Varyings {
 
 @vertex
 fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) volume: u32) -> Varyings {
-    return Varyings(volume_clip(index, volume, -CAP_SHIFT), volume);
-}
-
-// For caps through which the view leaves a volume: what lies in their plane has been left.
-@vertex
-fn vertex_of_left_caps(@builtin(vertex_index) index: u32, @builtin(instance_index) volume: u32) -> Varyings {
-    return Varyings(volume_clip(index, volume, CAP_SHIFT), volume);
+    return Varyings(volume_clip(index, volume), volume);
 }
 
 // +1 where the view enters a volume, −1 where it leaves it. What that adds to which channel, the blend constant says.

@@ -229,6 +229,9 @@ pub struct DrawState {
     pub depth_write: bool,
     /// Whether depths beyond near and far are clamped instead of clipped.
     pub depth_clamp: bool,
+    /// What is added to depth once it is interpolated, in units of the last digit of the largest depth of a triangle; negative
+    /// is farther.
+    pub depth_bias: i32,
     /// What happens in the stencil; `None` leaves it alone.
     pub stencil: Option<Stencil>,
     /// For each colour attachment of the pass: how it is blended, or `None` to leave it alone.
@@ -244,6 +247,7 @@ impl DrawState {
             depth_compare,
             depth_write: false,
             depth_clamp: false,
+            depth_bias: 0,
             stencil: None,
             targets,
             blend_constant: [0.0; 4],

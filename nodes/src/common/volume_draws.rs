@@ -146,8 +146,8 @@ pub struct How {
     pub weight: i32,
     /// Which of them count.
     pub faces: Faces,
-    /// On which side of caps a surface in their plane lies.
-    pub caps: Caps,
+    /// Where front caps are drawn; `None` for sides and far caps.
+    pub caps: Option<Caps>,
 }
 
 impl How {
@@ -161,17 +161,32 @@ impl How {
     }
 
     fn both(weight: i32) -> Self {
-        Self { weight, faces: Faces::Both, caps: Caps::Behind }
+        Self { weight, faces: Faces::Both, caps: None }
     }
 
-    /// The vertex entry point: where caps are drawn.
-    pub fn vertex(&self) -> &'static str {
+    fn caps(weight: i32) -> Self {
+        Self { caps: Some(Caps::Behind), ..Self::both(weight) }
+    }
+
+    /// See [`DrawState::depth_bias`].
+    pub fn depth_bias(&self) -> i32 {
         match self.caps {
-            Caps::Behind => "vertex",
-            Caps::Ahead => "vertex_of_left_caps",
+            None => -SIDE_BIAS,
+            Some(Caps::Behind) => -CAP_BIAS,
+            Some(Caps::Ahead) => CAP_BIAS,
         }
     }
 }
+
+/// How far front caps lie behind themselves, or ahead, in last digits of the largest depth of a triangle.
+///
+/// A triangle that lies in a surface's own plane casts nothing on it. Rasterised from other corners, or in another order, the
+/// same plane has other depths, by some tens of roundings of the largest depth on it: so a cap counts as before what it is
+/// before by more than that, the measures' own constant. A bias with a share of the slope would hold for steeper views, but a
+/// cap and a side that meet at an edge would no longer agree there.
+const CAP_BIAS: i32 = 64;
+/// The same of sides, which are far in front only where they are long: less does, and more would swallow short ones.
+const SIDE_BIAS: i32 = 16;
 
 /// Where caps are drawn, by what depth cannot tell apart: what lies in a cap's own plane is never in its shadow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -215,25 +230,25 @@ pub fn runs(volume: &Volume<'_>, indices: &VolumeIndices) -> Vec<Run> {
     if volume.z_fail && !meets_at_infinity {
         wanted.push((&indices.far_caps, How::both(1)));
     }
-    let front_caps = [(&indices.front_caps, How::both(1)), (&indices.front_caps_turned, How::both(-1))];
+    let front_caps = [(&indices.front_caps, How::caps(1)), (&indices.front_caps_turned, How::caps(-1))];
     if volume.half == Half::Unlit {
         // The far side of the caster itself is not to be in its shadow: there the view leaves the volume at the very
         // depth of what it sees. Where it enters through a cap, nobody sees the cap, and depth is as it always is.
-        let leaving = |how| How { faces: Faces::Leaving, caps: Caps::Ahead, ..how };
+        let leaving = |how| How { faces: Faces::Leaving, caps: Some(Caps::Ahead), ..how };
         wanted.extend(front_caps.map(|(run, how)| (run, leaving(how))));
         if volume.z_fail {
             wanted.extend(front_caps.map(|(run, how)| (run, How { faces: Faces::Entering, ..how })));
         }
     } else if volume.falls_on_itself {
         let entering = |how| How { faces: Faces::Entering, ..how };
-        let leaving = |how| How { faces: Faces::Leaving, caps: Caps::Ahead, ..how };
+        let leaving = |how| How { faces: Faces::Leaving, caps: Some(Caps::Ahead), ..how };
         wanted.extend(front_caps.map(|(run, how)| (run, entering(how))));
         wanted.extend(front_caps.map(|(run, how)| (run, leaving(how))));
     } else if volume.z_fail || volume.hidden_caps_count {
         wanted.extend(front_caps);
     }
-    wanted.push((&indices.unseen_caps, How::both(1)));
-    wanted.push((&indices.unseen_caps_turned, How::both(-1)));
+    wanted.push((&indices.unseen_caps, How::caps(1)));
+    wanted.push((&indices.unseen_caps_turned, How::caps(-1)));
     let mut joined: Vec<Run> = Vec::new();
     for (range, how) in wanted {
         match joined.last_mut() {
@@ -259,6 +274,7 @@ pub fn volume_draws(
     let draw = |run: Run| {
         let (shader, mut state) = counting(run.how, flags);
         state.depth_clamp = volume.clamp_depth;
+        state.depth_bias = run.how.depth_bias();
         Draw {
             name: volume.name(),
             shader: Some(shader),

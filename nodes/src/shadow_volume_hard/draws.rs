@@ -52,7 +52,7 @@ pub(super) fn counting_draws(
             Some(true) => "count_front",
             Some(false) => "count_back",
         });
-        (volume_shader(how.vertex(), fragment, flags), state)
+        (volume_shader("vertex", fragment, flags), state)
     })
 }
 

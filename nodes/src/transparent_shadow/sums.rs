@@ -168,7 +168,7 @@ fn product_draws(light: &mut LightPlan<'_>, glass: &[Tinted<'_>], smallest: f64)
                 (Some(false), false) => "divide_back",
                 (Some(false), true) => "multiply_back",
             };
-            (shader(flags, how.vertex(), fragment), DrawState::new(compare, vec![Some(MULTIPLY)]))
+            (shader(flags, "vertex", fragment), DrawState::new(compare, vec![Some(MULTIPLY)]))
         });
         draws.iter_mut().for_each(|draw| draw.bindings.push((2, Binding::Storage(factors))));
         draws

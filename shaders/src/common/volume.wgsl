@@ -40,20 +40,12 @@ struct CutVertex {
 const FIRST_CUT: u32 = 0x20000000u;
 #endif
 
-// Depths of volumes are moved by these shares of themselves, so that what touches a surface is told from what stands before
-// it. All of them are below what depth can tell apart, and below what measures allow it to be off.
-
-// A cap that lies in a surface's own plane casts nothing on it. Rasterised from other corners, or in another order, the same
-// plane has other depths, by some tens of roundings of the largest depth on it: a cap counts as before what it is before by
-// more than 64 roundings. Cap and sides still share their edges in the picture, so every view ray crosses as many of them as
-// before.
-const CAP_SHIFT: f32 = 3.814697265625e-6;
-
-// Sides lie 16 roundings behind where they are, or less. The side that hangs from an edge of a visible, lit triangle lies
+// Sides lie 64 roundings behind where they are, or less. The side that hangs from an edge of a visible, lit triangle lies
 // behind that triangle, but next to the edge by less than rounding can tell, and a side mistaken to be in front could
 // cancel another caster's count. (For a triangle turned away from the light it lies in front; but such a surface is dark
-// whatever the count.)
-const SIDE_SHIFT: f32 = 9.5367431640625e-7;
+// whatever the count.) Caps are moved by the draw's depth bias, once their depth is interpolated: from the corners of the
+// visible surface, in its order, they have its very depth until then.
+const SIDE_SHIFT: f32 = 3.814697265625e-6;
 
 // Four roundings before the surface: for sides that begin at a visible triangle which is not to be behind them by chance.
 const AHEAD_SHIFT: f32 = 2.384185791015625e-7;
@@ -65,8 +57,8 @@ fn moved_nearer(clip: vec4f, share: f32) -> vec4f {
 }
 
 // Where a corner of a volume goes. Each index is 4·vertex + what is meant: 0 a corner of a cap, 2 a near corner of a side,
-// 1 such a corner a little before the surface, 3 the vertex's extruded twin. Caps are moved nearer by `cap_nearer`.
-fn volume_clip(index: u32, volume_index: u32, cap_nearer: f32) -> vec4f {
+// 1 such a corner a little before the surface, 3 the vertex's extruded twin.
+fn volume_clip(index: u32, volume_index: u32) -> vec4f {
     let volume = volumes[volume_index];
     let kind = index & 3u;
     let vertex = index >> 2u;
@@ -77,9 +69,12 @@ fn volume_clip(index: u32, volume_index: u32, cap_nearer: f32) -> vec4f {
 #else
     let p = local_position(vertex);
 #endif
+    let clip = clip_from_local(volume.instance, p);
+    if kind == 0u {
+        return clip;
+    }
     if kind != 3u {
-        let shift = select(select(-SIDE_SHIFT, AHEAD_SHIFT, kind == 1u), cap_nearer, kind == 0u);
-        return moved_nearer(clip_from_local(volume.instance, p), shift);
+        return moved_nearer(clip, select(-SIDE_SHIFT, AHEAD_SHIFT, kind == 1u));
     }
     // The direction in which the vertex is extruded: w·v − l.
     var away = (p * volume.light_high.w - volume.light_high.xyz) - volume.light_low.xyz;
