@@ -28,9 +28,9 @@ fn reference(band: bool) -> ReferenceImage {
         factor: hits.iter().enumerate().map(|(pixel, hit)| factor(hit, is_dark(at(pixel)))).collect(),
         compared: hits.iter().map(Option::is_some).collect(),
         ambiguous: (0..PIXELS).map(|p| band && hits[p].is_some() && at(p).0 > 0 && at_edge(at(p))).collect(),
-        soft: None,
+        ..LightReference::default()
     };
-    ReferenceImage { size_px: SIZE, hits, lights: vec![light] }
+    ReferenceImage { size_px: SIZE, hits, lights: vec![light], ..ReferenceImage::default() }
 }
 
 fn measured(reference: &ReferenceImage) -> Measured {

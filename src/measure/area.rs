@@ -3,7 +3,8 @@
 //! **The light** is a disc, as `shadowgraph_engine::shadow` defines it for every technique ([`LightSize::disc`]).
 //!
 //! **The factor** is the share of samples that nothing blocks, each judged as hard shadows are. Samples on the other side
-//! of the receiving triangle than the eye are dark. *Same samples* ([`light_samples`]) are those that the judged technique takes
+//! of the receiving triangle than the eye are dark, unless the receiver is transparent: then light passes it, and each sample
+//! is only what stands strictly between. *Same samples* ([`light_samples`]) are those that the judged technique takes
 //! itself, so that every pixel can be judged; else there are so many stratified ones ([`disc_samples`]) that their share
 //! is as good as the integral: an edge's position is then off by a thousandth of the disc.
 //!
@@ -19,7 +20,7 @@ use shadowgraph_engine::shadow::{LightSize, disc_samples, light_samples};
 use super::disc::{DiscTracer, Sight, Way};
 use super::moved::Moved;
 use super::reference::{CasterSet, Reference};
-use super::render::Judged;
+use super::query::Judged;
 
 /// As many samples stand for the whole light where nothing else is asked for.
 pub const CONVERGED_SAMPLES: u32 = 4096;
@@ -59,7 +60,7 @@ pub struct SizedCasters {
 pub struct SoftBounds {
     /// The samples that the judged technique takes itself; `None` where some stand for the whole light.
     pub same_samples: Option<u32>,
-    /// For each pixel the least and the largest factor that ambiguous samples allow.
+    /// For each value of the factor (one a pixel, or three) the least and the largest that ambiguous samples allow.
     pub bounds: Vec<[f32; 2]>,
     /// The mean, over the samples, of the boundary pixels of each one's own shadow: with it the band is compared, which for
     /// several samples is the mean of their bands. Known for same samples.
@@ -97,14 +98,14 @@ impl SizedQuery {
         &self,
         tracer: &mut DiscTracer<'_>,
         light: usize,
-        moved: &Moved,
+        moved: &Moved<'_>,
         lit: &mut [u64],
     ) -> Judged {
         lit.fill(u64::MAX);
         let light = &tracer.reference.lights[light];
         let reached = moved.points.map(|point| light.reaches(point));
         let compared = reached[0];
-        if !moved.receives || !compared {
+        if !moved.surface.receives || !compared {
             return Judged { factor: 1.0, compared, ambiguous: false, bounds: [1.0; 2] };
         }
         let way = Way::new(self.size, &self.casters, light.position, moved);

@@ -173,6 +173,7 @@ pub fn compare(measured: &Measured, reference: &ReferenceImage) -> Result<Vec<Li
         if count == 3 * expected { Ok(()) } else { length(what, count) }
     };
     length(&|| "the measured id picture".into(), measured.ids.len())?;
+    let reference = &*reference.as_seen(&measured.ids);
     length(&|| "the reference".into(), reference.hits.len())?;
     for (name, factor) in &measured.lights {
         factor_length(&|| format!("the measured factor of light '{name}'"), factor.len())?;
@@ -277,7 +278,7 @@ fn compare_light(
     let width = reference.size_px[0] as usize;
     let pixels = reference.hits.len();
     let channels = channels(factor, pixels).max(channels(&light.factor, pixels));
-    let boundary = boundary(light, width);
+    let boundary = boundary(&light.factor, &light.compared, width);
     let count = |flags: &[bool]| flags.iter().filter(|flag| **flag).count();
     let mut error = LightError {
         name: light.name.clone(),
@@ -291,9 +292,9 @@ fn compare_light(
     let mut compared = Vec::new();
     for (pixel, (ids, hit)) in measured.ids.iter().zip(&reference.hits).enumerate() {
         if light.compared[pixel] && light.ambiguous[pixel] {
-            let [least, largest] = light.bounds(pixel, 0.0);
+            let width = |channel| light.bounds(pixel, channel, 0.0).into_iter().rev().reduce(|a, b| a - b);
             error.band_pixels += 1;
-            band_px += f64::from(largest - least);
+            band_px += (0..channels).filter_map(width).map(f64::from).fold(0.0, f64::max);
         }
         if !sees_same(*ids, *hit) {
             error.different_triangle += 1;
@@ -321,7 +322,7 @@ fn compare_light(
     let channel = |pixel: usize, channel: usize| {
         let of = |values: &[f32]| at(values, pixels, pixel).nth(channel).unwrap_or(f32::NAN);
         let exact = of(&light.factor);
-        Sample::of(of(factor), exact, light.bounds(pixel, exact))
+        Sample::of(of(factor), exact, light.bounds(pixel, channel, exact))
     };
     if channels == 1 {
         return Ok(judge(&light.name, &|pixel| channel(pixel, 0)));
@@ -415,16 +416,14 @@ pub(super) fn at(factor: &[f32], pixels: usize, pixel: usize) -> impl Iterator<I
     [of(0), of(1), of(2)].into_iter()
 }
 
-/// Which compared pixels differ from their right or lower compared neighbour.
-fn boundary(light: &LightReference, width: usize) -> Vec<bool> {
-    let pixels = light.compared.len();
+/// Which compared pixels differ in `factor` from their right or lower compared neighbour.
+pub(super) fn boundary(factor: &[f32], compared: &[bool], width: usize) -> Vec<bool> {
+    let pixels = compared.len();
     let differs = |a: usize, b: usize| {
         b < pixels
-            && light.compared[a]
-            && light.compared[b]
-            && at(&light.factor, pixels, a)
-                .zip(at(&light.factor, pixels, b))
-                .any(|(a, b)| a.to_bits() != b.to_bits())
+            && compared[a]
+            && compared[b]
+            && at(factor, pixels, a).zip(at(factor, pixels, b)).any(|(a, b)| a.to_bits() != b.to_bits())
     };
     (0..pixels).map(|i| ((i + 1) % width != 0 && differs(i, i + 1)) || differs(i, i + width)).collect()
 }

@@ -6,6 +6,7 @@
 //! Nothing here shares a line with the techniques it judges, except the orientation signs of
 //! [`shadowgraph_engine::math`].
 
+mod answers;
 mod area;
 #[cfg(test)]
 mod area_tests;
@@ -22,12 +23,15 @@ mod layers;
 mod metrics;
 mod moved;
 pub mod pictures;
+mod query;
 mod reference;
 mod render;
 pub mod report;
 mod surface;
 mod technique;
+mod ties;
 pub mod timing;
+mod view;
 
 pub use area::{CONVERGED_SAMPLES, Samples, SizedCasters, SoftBounds};
 pub use coverage::convex_visible_share;
@@ -43,7 +47,8 @@ pub use metrics::{
 };
 pub use reference::{CasterSet, Hit, Reference, Tracer};
 pub use render::{
-    DEPTH_ULPS, LightQuery, LightReference, PIXEL_MOVE, Progress, ReferenceImage, SupersampledImage,
+    CORNER_SNAP, DEPTH_ULPS, LightQuery, LightReference, PIXEL_MOVE, PixelReference, Progress, ReferenceImage,
+    SupersampledImage,
 };
 pub use shadowgraph_engine::shadow::{LightSize, disc_samples, light_samples};
 pub use technique::ReferenceShadow;
