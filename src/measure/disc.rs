@@ -14,8 +14,10 @@ use glam::{DVec2, DVec3, DVec4};
 use shadowgraph_engine::shadow::{LightDisc, LightSize};
 
 use super::bvh::Open;
+use super::forms::{Class, Form, Partial};
 use super::moved::{CORNERS, MOVES, Moved};
 use super::reference::{CasterSet, Reference};
+use super::samples::{Group, SampleTree};
 use super::surface::Triangle;
 
 /// Rounding of forms and of what they stand in for, in shares of the products they are sums of: some tens of roundings.
@@ -118,7 +120,7 @@ impl Aim {
 
     /// How `normal` · sample changes over the disc, from `center` on.
     fn form(&self, center: f64, normal: DVec3, margin: f64) -> Form {
-        Form { center, slope: DVec2::new(normal.dot(self.axes[0]), normal.dot(self.axes[1])), margin }
+        Form::new(center, DVec2::new(normal.dot(self.axes[0]), normal.dot(self.axes[1])), margin)
     }
 
     /// On which side of `triangle` samples lie.
@@ -130,93 +132,6 @@ impl Aim {
         let rounding = ROUNDING * reach * triangle.edges_product();
         self.form(center, normal, normal.length() * (self.sample_moves + moves) + rounding)
     }
-}
-
-/// A linear function over the unit disc, and what it may be off.
-#[derive(Clone, Copy)]
-struct Form {
-    center: f64,
-    slope: DVec2,
-    margin: f64,
-}
-
-impl Form {
-    /// Positive beyond doubt.
-    const EVERYWHERE: Self = Self { center: 1.0, slope: DVec2::ZERO, margin: 0.0 };
-
-    fn times(self, sign: f64) -> Self {
-        Self { center: self.center * sign, slope: self.slope * sign, ..self }
-    }
-
-    /// The smallest and the largest value.
-    fn range(&self) -> [f64; 2] {
-        let reach = self.slope.length() * (1.0 + 1e-12);
-        [self.center - reach, self.center + reach]
-    }
-
-    #[inline(always)]
-    fn at(&self, sample: DVec2) -> f64 {
-        self.center + self.slope.dot(sample)
-    }
-
-    /// +1 or −1 where the value's sign is beyond doubt.
-    #[inline(always)]
-    fn sign_of(&self, value: f64) -> i32 {
-        i32::from(value > self.margin) - i32::from(value < -self.margin)
-    }
-}
-
-/// A triangle that may stand before part of the disc.
-struct Partial {
-    place: u32,
-    /// Where what each move says of it by itself begins, once that was asked.
-    moves: Option<u32>,
-    /// The three edges and the side of the light, positive where the triangle is in the way. The side is 1 everywhere
-    /// where on which side the point lies is open: then edges only exclude, by different signs.
-    forms: [Form; 4],
-    /// Whether it may have holes: then forms only exclude.
-    is_masked: bool,
-    /// On which side of its plane the point lies is open.
-    open: bool,
-}
-
-impl Partial {
-    /// Whether it stands before `sample`, but for holes, where the forms settle that.
-    #[inline(always)]
-    fn decides(&self, sample: DVec2) -> Option<bool> {
-        let mut all_clear = !self.open;
-        let mut excluding = [false; 2];
-        for form in &self.forms {
-            let value = form.at(sample);
-            if value < -form.margin {
-                excluding[0] = true;
-                if !self.open || excluding[1] {
-                    return Some(false);
-                }
-            } else if value <= form.margin {
-                all_clear = false;
-            } else if self.open && form.slope != DVec2::ZERO {
-                // The side of the light, which is 1 everywhere, excludes nothing.
-                excluding[1] = true;
-                if excluding[0] {
-                    return Some(false);
-                }
-            }
-        }
-        all_clear.then_some(true)
-    }
-}
-
-enum Class {
-    Misses,
-    Covers,
-    Partly(Partial),
-}
-
-/// What is known of a triangle and one move.
-enum Known {
-    Nothing,
-    Is(Class),
 }
 
 /// What the point sees of a sample.
@@ -233,10 +148,10 @@ pub(super) struct DiscTracer<'a> {
     stack: Vec<Open>,
     /// What stands before part of the disc last gathered for.
     partly: Vec<Partial>,
-    /// The indices of those of them that are open for a sample.
-    doubtful: Vec<u32>,
+    /// The indices of those of them that may be in the way: of all samples, then of a group, then of a group in that.
+    open: Vec<u32>,
     /// What single moves say of those that were open for any sample: as many for each as there are moves.
-    by_move: Vec<Known>,
+    by_move: Vec<Option<Class>>,
     /// The receiver's plane.
     own_side: Option<Form>,
     /// What covered a whole disc last.
@@ -249,7 +164,7 @@ impl Reference {
             reference: self,
             stack: Vec::with_capacity(64),
             partly: Vec::new(),
-            doubtful: Vec::new(),
+            open: Vec::new(),
             by_move: Vec::new(),
             own_side: None,
             last_cover: u32::MAX,
@@ -310,49 +225,149 @@ impl DiscTracer<'_> {
         }
     }
 
-    /// Whether the point sees `sample`, after [`DiscTracer::gather`].
-    pub(super) fn sees(&mut self, way: &Way<'_>, sample: DVec2) -> Sight {
+    /// Tells what the point sees of all `samples` of a disc, after [`DiscTracer::gather`]: of groups where that is the same for all
+    /// and the forms say so, of single ones elsewhere. What was found to be out of the way of a group is not asked about
+    /// within it.
+    pub(super) fn ask(
+        &mut self,
+        way: &Way<'_>,
+        (tree, samples): (&SampleTree, &[DVec2]),
+        tell: &mut dyn FnMut(&[u32], Sight),
+    ) {
+        self.open.clear();
+        self.open.extend(0..self.partly.len() as u32);
+        if let Some(all) = tree.all() {
+            self.ask_group(way, (tree, samples), all, 0, tell);
+        }
+    }
+
+    /// The same of a group; what may be in the way of it is open from number `first` on.
+    fn ask_group(
+        &mut self,
+        way: &Way<'_>,
+        (tree, samples): (&SampleTree, &[DVec2]),
+        group: &Group,
+        first: usize,
+        tell: &mut dyn FnMut(&[u32], Sight),
+    ) {
+        let own = self.open.len();
+        if let Some(sight) = self.sees_all(way, group, first) {
+            tell(tree.members(group), sight);
+        } else if let Some(children) = tree.children(group) {
+            for child in children {
+                self.ask_group(way, (tree, samples), child, own, tell);
+            }
+        } else {
+            for index in tree.members(group) {
+                let sight = self.sees(way, samples[*index as usize], own);
+                tell(&[*index], sight);
+            }
+        }
+        self.open.truncate(own);
+    }
+
+    /// What the point sees of the disc's centre, which all samples are in, after [`DiscTracer::gather`].
+    pub(super) fn sees_center(&mut self, way: &Way<'_>) -> Sight {
+        self.open.clear();
+        self.open.extend(0..self.partly.len() as u32);
+        self.sees(way, DVec2::ZERO, 0)
+    }
+
+    /// What the point sees of `sample`, where only what is open from number `first` on may be in the way.
+    fn sees(&mut self, way: &Way<'_>, sample: DVec2, first: usize) -> Sight {
         let dark = Sight { lit: false, certain: true };
-        let Self { reference, partly, doubtful, by_move, own_side, .. } = self;
+        let Self { reference, partly, open, by_move, own_side, .. } = self;
         let (Some(facing), surface) = (own_side, way.moved.surface) else { return dark };
         let faces = facing.sign_of(facing.at(sample));
         if faces < 0 {
             return dark;
         }
-        doubtful.clear();
-        let mut covering = None;
-        for (index, partial) in partly.iter().enumerate() {
+        let own = open.len();
+        for place in first..own {
+            let partial = &partly[open[place] as usize];
             match partial.decides(sample) {
-                Some(false) => continue,
+                Some(false) => {}
                 Some(true) if !partial.is_masked => {
-                    covering = Some(index);
-                    break;
+                    open.truncate(own);
+                    return dark;
                 }
-                Some(true) | None => doubtful.push(index as u32),
+                Some(true) | None => open.push(open[place]),
             }
         }
-        if let Some(index) = covering {
-            // Neighbouring samples are likely to be behind the same triangle.
-            partly.swap(0, index);
-            return dark;
-        }
         let mut blocked = |index: usize| {
-            let mut blocks = |open: &u32| {
-                reference.blocks_move(&mut partly[*open as usize], by_move, way, (index, sample))
-            };
-            doubtful.iter().any(&mut blocks)
+            let light = way.sample(index, sample);
+            open[own..].iter().any(|partial| {
+                let partial = &mut partly[*partial as usize];
+                reference.blocks_move(partial, by_move, way, index, (sample, light))
+            })
         };
         let is_blocked = blocked(0);
         let turned_away = faces == 0 && surface.facing(way.sample(0, sample)) * way.moved.eye_side <= 0;
         // Where the sample may lie anywhere, the moves do not tell where; only margins do.
-        let certain = match doubtful.is_empty() {
+        let certain = match open.len() == own {
             true => faces != 0,
             false => {
                 let settled = !way.unsettled && (is_blocked || faces != 0);
                 settled && (1..MOVES + CORNERS).all(|index| blocked(index) == is_blocked)
             }
         };
+        open.truncate(own);
         Sight { lit: !is_blocked && !turned_away, certain }
+    }
+
+    /// What the point sees of every sample of a group, where that is the same for all and the forms say so. What may be in
+    /// the way is open from number `first` on, and what still may is added to that.
+    fn sees_all(&mut self, way: &Way<'_>, group: &Group, first: usize) -> Option<Sight> {
+        let Self { reference, partly, open, by_move, own_side, .. } = self;
+        let facing = (*own_side)?;
+        let [least, largest] = facing.range_in(group);
+        let dark = Sight { lit: false, certain: true };
+        if largest < -facing.margin {
+            return Some(dark);
+        }
+        let own = open.len();
+        for place in first..own {
+            let partial = &partly[open[place] as usize];
+            match partial.decides_all(group) {
+                Some(false) => {}
+                // Wherever samples face away, too.
+                Some(true) if !partial.is_masked => return Some(dark),
+                Some(true) | None => open.push(open[place]),
+            }
+        }
+        if least <= facing.margin {
+            return None;
+        }
+        if open.len() == own {
+            return Some(Sight { lit: true, certain: true });
+        }
+        if way.unsettled {
+            return None;
+        }
+        let mut blocked = |index: usize| {
+            let mut all_known = true;
+            for partial in &open[own..] {
+                match reference.known(&mut partly[*partial as usize], by_move, way, index) {
+                    Class::Misses => {}
+                    Class::Covers => return Some(true),
+                    Class::Partly(alone) => match alone.decides_all(group) {
+                        Some(true) if !alone.is_masked => return Some(true),
+                        Some(false) => {}
+                        Some(true) | None => all_known = false,
+                    },
+                }
+            }
+            all_known.then_some(false)
+        };
+        let is_blocked = blocked(0)?;
+        let mut all_known = true;
+        for index in 1..MOVES + CORNERS {
+            match blocked(index) {
+                Some(other) if other != is_blocked => return Some(Sight { lit: !is_blocked, certain: false }),
+                other => all_known &= other.is_some(),
+            }
+        }
+        all_known.then_some(Sight { lit: !is_blocked, certain: true })
     }
 }
 
@@ -407,29 +422,39 @@ impl Reference {
     fn blocks_move(
         &self,
         partial: &mut Partial,
-        by_move: &mut Vec<Known>,
+        by_move: &mut Vec<Option<Class>>,
         way: &Way<'_>,
-        (index, sample): (usize, DVec2),
+        index: usize,
+        (sample, light): (DVec2, DVec4),
     ) -> bool {
-        let triangle = &self.triangles[partial.place as usize];
-        let first = *partial.moves.get_or_insert_with(|| {
-            by_move.extend((0..MOVES + CORNERS).map(|_| Known::Nothing));
-            (by_move.len() - MOVES - CORNERS) as u32
-        });
-        let known = &mut by_move[first as usize + index];
-        if let Known::Nothing = known {
-            *known = Known::Is(self.classify(partial.place, way, way.move_alone(index)));
-        }
-        let (point, light) = (way.move_alone(index).point, way.sample(index, sample));
-        match known {
-            Known::Is(Class::Misses) => false,
-            Known::Is(Class::Covers) => true,
-            Known::Is(Class::Partly(alone)) => match alone.decides(sample) {
+        let (place, point) = (partial.place, way.move_alone(index).point);
+        let triangle = &self.triangles[place as usize];
+        match self.known(partial, by_move, way, index) {
+            Class::Misses => false,
+            Class::Covers => true,
+            Class::Partly(alone) => match alone.decides(sample) {
                 Some(true) if alone.is_masked => !triangle.has_hole_towards(point, light),
                 Some(blocks) => blocks,
                 None => triangle.blocks(point, light, self.coordinate_m),
             },
-            Known::Nothing => triangle.blocks(point, light, self.coordinate_m),
         }
+    }
+
+    /// How much of the disc `partial` stands before for the point, moved so, alone.
+    #[inline(always)]
+    fn known<'a>(
+        &self,
+        partial: &mut Partial,
+        by_move: &'a mut Vec<Option<Class>>,
+        way: &Way<'_>,
+        index: usize,
+    ) -> &'a Class {
+        let first = *partial.moves.get_or_insert_with(|| {
+            by_move.extend((0..MOVES + CORNERS).map(|_| None));
+            (by_move.len() - MOVES - CORNERS) as u32
+        });
+        let place = partial.place;
+        by_move[first as usize + index]
+            .get_or_insert_with(|| self.classify(place, way, way.move_alone(index)))
     }
 }

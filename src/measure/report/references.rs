@@ -101,19 +101,21 @@ fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 }
 
 /// The texts that say what a reference is.
-const SOURCES: [&str; 16] = [
+const SOURCES: [&str; 18] = [
     include_str!("../../../engine/src/shadow/area_light.rs"),
     include_str!("../../../engine/src/shadow/light_samples.rs"),
     include_str!("../answers.rs"),
     include_str!("../area.rs"),
     include_str!("../bvh.rs"),
     include_str!("../disc.rs"),
+    include_str!("../forms.rs"),
     include_str!("../glass.rs"),
     include_str!("../holes.rs"),
     include_str!("../moved.rs"),
     include_str!("../query.rs"),
     include_str!("../reference.rs"),
     include_str!("../render.rs"),
+    include_str!("../samples.rs"),
     include_str!("../surface.rs"),
     include_str!("../ties.rs"),
     include_str!("../view.rs"),
