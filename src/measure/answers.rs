@@ -38,7 +38,10 @@ impl Pixels {
             LitSamples { lit: vec![Vec::new(); words.len()], words, tints }
         };
         Self {
-            image: ReferenceImage { lights: queries.iter().map(light).collect(), ..ReferenceImage::default() },
+            image: ReferenceImage {
+                lights: queries.iter().map(light).collect(),
+                ..ReferenceImage::default()
+            },
             samples: queries.iter().map(samples).collect(),
         }
     }
@@ -161,7 +164,8 @@ impl ReferenceImage {
     /// What is right for a picture that shows `ids` (instance and triangle at each pixel): the same, but where that shows another
     /// surface in the plane of what the reference sees first ([`ReferenceImage::ties`]), what is right for that surface.
     pub fn as_seen(&self, ids: &[[u32; 2]]) -> Cow<'_, Self> {
-        let is_seen = |(pixel, hit): &(u32, Hit)| ids.get(*pixel as usize) == Some(&[hit.instance, hit.triangle]);
+        let is_seen =
+            |(pixel, hit): &(u32, Hit)| ids.get(*pixel as usize) == Some(&[hit.instance, hit.triangle]);
         if !self.ties.iter().any(is_seen) {
             return Cow::Borrowed(self);
         }

@@ -19,8 +19,8 @@ use shadowgraph_engine::shadow::{LightSize, disc_samples, light_samples};
 
 use super::disc::{DiscTracer, Sight, Way};
 use super::moved::Moved;
-use super::reference::{CasterSet, Reference};
 use super::query::Judged;
+use super::reference::{CasterSet, Reference};
 use super::samples::SampleTree;
 
 /// As many samples stand for the whole light where nothing else is asked for.

@@ -363,7 +363,9 @@ impl DiscTracer<'_> {
         let mut all_known = true;
         for index in 1..MOVES + CORNERS {
             match blocked(index) {
-                Some(other) if other != is_blocked => return Some(Sight { lit: !is_blocked, certain: false }),
+                Some(other) if other != is_blocked => {
+                    return Some(Sight { lit: !is_blocked, certain: false });
+                }
                 other => all_known &= other.is_some(),
             }
         }

@@ -114,4 +114,3 @@ pub(super) enum Class {
     Covers,
     Partly(Partial),
 }
-

@@ -197,7 +197,8 @@ impl Reference {
         let opaque = opaque.and_then(|(hit, _)| self.surface(hit));
         // Beyond what rounding makes of a plane's distance nothing can lie in it.
         let doubt = t_end * 1e-6;
-        let all = tracer.layers(from, direction, near_m, if opaque.is_some() { t_end + doubt } else { t_end });
+        let all =
+            tracer.layers(from, direction, near_m, if opaque.is_some() { t_end + doubt } else { t_end });
         let is_in_plane = |(surface, t): &(&Triangle, f64)| {
             (*t - t_end).abs() <= doubt
                 && opaque.is_some_and(|opaque| surface.shares_plane(opaque, self.coordinate_m))

@@ -8,10 +8,18 @@
 //!
 //! > **the depth of a pixel is the exact depth of a place within one snap of it**, however thin the triangle is.
 //!
-//! This is no estimate and needs no threshold. On a triangle seen from the front it is less than rounding; on one seen
-//! edge-on, an eighth of a pixel thin, it is a share of the whole triangle, which no fixed number of ulps is. It also holds
+//! This is no estimate. On a triangle seen from the front it is about as much as rounding; on one seen edge-on, an eighth of a
+//! pixel thin, it is a share of the whole triangle, which no fixed number of ulps is. It also holds
 //! where the near plane cuts the triangle: the corners that are snapped then lie on the same plane, and that is all that
 //! was used. And since d′ is a mean of the dᵢ, depth never leaves the range of the triangle's own corners.
+//!
+//! On what is thicker than a pixel ε̄ is much the same for all pixels around: the snap shifts the surface, with the edges from
+//! which shadows hang, and shifts are what the moves sideways stand for. So depth is moved by a snap only where the surface
+//! is [thinner than a pixel](thickness_px): there one pixel's ε̄ says nothing of the next one's.
+//!
+//! **Its own shadow.** Behind its triangle a point is in that triangle's shadow, which does not count: cap and surface have
+//! the same depth, however it is off. The sides of that shadow have not. Where depth moves a point so far that it comes
+//! out of its own shadow through a side, next to an edge of the triangle, that side is before it or behind it by the snap alone.
 
 use glam::DVec3;
 
@@ -37,6 +45,8 @@ pub(super) struct Moved<'a> {
     pub(super) corners: [DVec3; CORNERS],
     /// Some move led nowhere; its point is then the centre's.
     pub(super) lost: bool,
+    /// Whether the snap of the triangle's corners moves depth further than rounding does.
+    pub(super) is_tilted: bool,
     /// The side on which the eye is.
     pub(super) eye_side: i32,
 }
@@ -66,6 +76,8 @@ impl<'a> Moved<'a> {
             }
         }
         let depth_moves = depth_moves(surface, view, [x, y], t);
+        let rounding = f64::from(DEPTH_ULPS) * view.depth_ulp(t);
+        let is_tilted = depth_moves[0] < -rounding;
         for (point, by) in points[5..].iter_mut().zip(depth_moves) {
             let t = view.distance_moved(t, by);
             if t.is_finite() && t > 0.0 {
@@ -86,7 +98,7 @@ impl<'a> Moved<'a> {
             }
         }
         let eye_side = surface.facing(view.eye);
-        Self { surface, points, corners, lost, eye_side }
+        Self { surface, points, corners, lost, is_tilted, eye_side }
     }
 
     /// Its points and corners.
@@ -99,11 +111,41 @@ impl<'a> Moved<'a> {
 pub(super) const SIDEWAYS: [[f64; 2]; 4] =
     [[-PIXEL_MOVE, 0.0], [PIXEL_MOVE, 0.0], [0.0, -PIXEL_MOVE], [0.0, PIXEL_MOVE]];
 
+/// What is not as thick, in pixels, is tilted by the snap of its corners.
+const THIN_PX: f64 = 1.0;
+
+/// How much of `surface` a row or a column through a place of the target shows, whichever is less, in pixels.
+fn thickness_px(surface: &Triangle, view: &View<'_>, [x, y]: [f64; 2]) -> f64 {
+    let edges = |dx: f64, dy: f64| {
+        let (from, direction) = view.ray([x + dx, y + dy]);
+        surface.edge_functions(from, direction)
+    };
+    // Linear over the target, and of one sign inside.
+    let here = edges(0.0, 0.0);
+    let inside = here.iter().sum::<f64>().signum();
+    let extent = |there: [f64; 3]| {
+        let (mut before, mut behind) = (f64::INFINITY, f64::INFINITY);
+        for (here, there) in here.iter().zip(there) {
+            let (height, slope) = ((here * inside).max(0.0), (there - here) * inside);
+            if slope > 0.0 {
+                before = before.min(height / slope);
+            } else if slope < 0.0 {
+                behind = behind.min(height / -slope);
+            }
+        }
+        before + behind
+    };
+    extent(edges(1.0, 0.0)).min(extent(edges(0.0, 1.0)))
+}
+
 /// By how much the depth of `surface` may be off at a place of the target that shows it at distance `t`: away from the
 /// eye (negative), and towards it.
 fn depth_moves(surface: &Triangle, view: &View<'_>, [x, y]: [f64; 2], t: f64) -> [f64; 2] {
     let depth = view.depth(t);
     let rounding = f64::from(DEPTH_ULPS) * view.depth_ulp(t);
+    if thickness_px(surface, view, [x, y]) >= THIN_PX {
+        return [-rounding, rounding];
+    }
     // Depth is linear: it is least and largest at corners of the square of all snaps.
     let mut reach = [0.0_f64; 2];
     for [dx, dy] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {

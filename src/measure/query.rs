@@ -186,8 +186,27 @@ impl Query {
         // Every move agrees when all are dark or none is. A surface turned away stays so wherever the point moves.
         let all = (1_u8 << MOVES) - 1;
         let factor = if dark & 1 == 0 { 1.0 } else { 0.0 };
-        let ambiguous = (dark != 0 && dark != all) || (moved.lost && !turned_away);
+        let mut ambiguous = (dark != 0 && dark != all) || (moved.lost && !turned_away);
+        if !ambiguous && !turned_away && facing * moved.eye_side > 0 {
+            ambiguous = self.leaves_its_own_shadow(tracer, moved);
+        }
         Judged { factor, compared, ambiguous, bounds: if ambiguous { [0.0, 1.0] } else { [factor; 2] } }
+    }
+
+    /// Whether the point, moved away from the eye, comes out of the shadow that its own surface casts behind it, which
+    /// faces the light: see [`super::moved`].
+    fn leaves_its_own_shadow(&self, tracer: &mut Tracer<'_>, moved: &Moved<'_>) -> bool {
+        let casts = moved.surface.casts && !moved.surface.lets_light_pass;
+        let [.., deeper, _] = &moved.points;
+        casts
+            && moved.is_tilted
+            && self.casters.contains(moved.surface.instance)
+            && tracer.blocked(&Probe {
+                points: std::slice::from_ref(deeper),
+                receiver: None,
+                light: tracer.reference.lights[self.light].position,
+                casters: &self.casters,
+            }) == 0
     }
 
     /// The question whether what has no size is in the way.

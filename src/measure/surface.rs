@@ -83,9 +83,15 @@ impl Triangle {
     /// Whether the line through `from` along `direction` passes through it, its edges included.
     #[inline(always)]
     fn is_crossed(&self, from: DVec3, direction: DVec3) -> bool {
-        let [u, v, w] = self.corners.map(|corner| corner - from);
-        let (e0, e1, e2) = (direction.dot(u.cross(v)), direction.dot(v.cross(w)), direction.dot(w.cross(u)));
+        let [e0, e1, e2] = self.edge_functions(from, direction);
         !(e0.min(e1).min(e2) < 0.0 && e0.max(e1).max(e2) > 0.0)
+    }
+
+    /// On which side of each of its edges the line passes, in the order of the corners that edges begin at.
+    #[inline(always)]
+    pub(super) fn edge_functions(&self, from: DVec3, direction: DVec3) -> [f64; 3] {
+        let [u, v, w] = self.corners.map(|corner| corner - from);
+        [direction.dot(u.cross(v)), direction.dot(v.cross(w)), direction.dot(w.cross(u))]
     }
 
     /// The parameter at which the ray hits a side of it that is drawn.

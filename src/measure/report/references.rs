@@ -229,7 +229,13 @@ impl<'a> Reader<'a> {
         let three = |first: usize| [values[first], values[first + 1], values[first + 2]];
         let pair = |first: usize| [values[first], values[first + 1]];
         let (factor, tint, bounds) = (three(0), three(3), [pair(6), pair(8), pair(10)]);
-        Some(PixelReference { factor, bounds, tint, compared: flags & 1 == 1, ambiguous: flags >> 1 & 1 == 1 })
+        Some(PixelReference {
+            factor,
+            bounds,
+            tint,
+            compared: flags & 1 == 1,
+            ambiguous: flags >> 1 & 1 == 1,
+        })
     }
 }
 
