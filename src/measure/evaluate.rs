@@ -282,6 +282,15 @@ pub fn evaluate_converged(
     let (posed, registry) = renderer.posed(scene)?;
     let reference = references.answer(&posed, request, queries, progress);
     let reference = as_compared(&registry, reference, &evaluation.measured);
-    let errors = compare(&evaluation.measured, &reference)?;
+    let mut errors = compare(&evaluation.measured, &reference)?;
+    for error in &mut errors {
+        let own = evaluation.errors.iter().find(|own| own.name == error.name);
+        if let Some(own) = own.filter(|own| own.same_samples.is_some()) {
+            error.by_samples = Some(own.verdict());
+            for (channel, own) in error.channels.iter_mut().zip(&own.channels) {
+                channel.by_samples = Some(own.verdict());
+            }
+        }
+    }
     Ok(Some(Converged { reference, errors }))
 }

@@ -33,6 +33,7 @@ mod surface;
 mod technique;
 mod ties;
 pub mod timing;
+mod verdict;
 mod view;
 
 pub use area::{CONVERGED_SAMPLES, Samples, SizedCasters, SoftBounds};
@@ -54,3 +55,4 @@ pub use render::{
 };
 pub use shadowgraph_engine::shadow::{LightSize, disc_samples, light_samples};
 pub use technique::ReferenceShadow;
+pub use verdict::Verdict;
