@@ -287,11 +287,15 @@ impl DiscTracer<'_> {
             let partial = &partly[open[place] as usize];
             match partial.decides(sample) {
                 Some(false) => {}
-                Some(true) if !partial.is_masked => {
-                    open.truncate(own);
-                    return dark;
-                }
-                Some(true) | None => open.push(open[place]),
+                Some(true) => match reference.is_hole_for(partial, way, [sample; 1]) {
+                    Some(true) => {}
+                    Some(false) => {
+                        open.truncate(own);
+                        return dark;
+                    }
+                    None => open.push(open[place]),
+                },
+                None => open.push(open[place]),
             }
         }
         let mut blocked = |index: usize| {
@@ -330,9 +334,13 @@ impl DiscTracer<'_> {
             let partial = &partly[open[place] as usize];
             match partial.decides_all(group) {
                 Some(false) => {}
-                // Wherever samples face away, too.
-                Some(true) if !partial.is_masked => return Some(dark),
-                Some(true) | None => open.push(open[place]),
+                Some(true) => match reference.is_hole_for(partial, way, group.around()) {
+                    Some(true) => {}
+                    // Wherever samples face away, too.
+                    Some(false) => return Some(dark),
+                    None => open.push(open[place]),
+                },
+                None => open.push(open[place]),
             }
         }
         if least <= facing.margin {
@@ -417,6 +425,35 @@ impl Reference {
             return Class::Covers;
         }
         Class::Partly(Partial { place, moves: None, forms, is_masked, open })
+    }
+
+    /// Whether the ways from the point, wherever it is moved, to all samples within the hull of `samples` meet a hole of
+    /// `partial` (true) or none; they meet the triangle. `None` where they may meet both, or a sample may lie anywhere.
+    fn is_hole_for<const N: usize>(
+        &self,
+        partial: &Partial,
+        way: &Way<'_>,
+        samples: [DVec2; N],
+    ) -> Option<bool> {
+        if !partial.is_masked {
+            return Some(false);
+        }
+        if way.unsettled {
+            return None;
+        }
+        let triangle = &self.triangles[partial.place as usize];
+        let mut crossings = [[DVec3::ZERO; N]; MOVES + CORNERS];
+        for (index, crossings) in crossings.iter_mut().enumerate() {
+            let point = way.move_alone(index).point;
+            for (crossing, sample) in crossings.iter_mut().zip(samples) {
+                let light = way.sample(index, sample);
+                let direction = light.truncate() - point * light.w;
+                // A hull stays one where nothing of it is behind the point.
+                let t = triangle.plane_parameter(point, direction).filter(|t| *t > 0.0)?;
+                *crossing = point + direction * t;
+            }
+        }
+        triangle.is_hole_within(crossings.as_flattened())
     }
 
     /// Whether `partial` stands between the point, moved so, and `sample`.

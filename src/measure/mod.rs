@@ -11,6 +11,7 @@ mod area;
 #[cfg(test)]
 mod area_tests;
 mod bvh;
+mod cover;
 mod coverage;
 mod disc;
 mod distance;

@@ -14,6 +14,7 @@ use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::scene::{Posed, PosedLight};
 
 use super::bvh::{Bvh, Open};
+use super::cover::share_covers;
 use super::glass::Panes;
 use super::surface::Triangle;
 
@@ -55,7 +56,8 @@ pub struct Reference {
 impl Reference {
     /// Takes over what `posed` shows at this moment.
     pub fn new(posed: &Posed) -> Self {
-        let drawn = Triangle::of_scene(posed);
+        let mut drawn = Triangle::of_scene(posed);
+        share_covers(&mut drawn);
         let boxes: Vec<Aabb> = drawn.iter().map(Triangle::bounds).collect();
         let bounds = boxes.iter().fold(Aabb::EMPTY, |sum, b| sum.union(b));
         let (bvh, order) = Bvh::new(&boxes, &bounds);

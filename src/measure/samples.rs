@@ -15,6 +15,14 @@ pub(super) struct SampleTree {
     order: Vec<u32>,
 }
 
+impl Group {
+    /// The corners of a square around it.
+    pub(super) fn around(&self) -> [DVec2; 4] {
+        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y)| self.center + DVec2::new(x, y) * self.radius)
+    }
+}
+
 /// A group of samples, all within `radius` of `center`.
 pub(super) struct Group {
     pub(super) center: DVec2,

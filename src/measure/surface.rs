@@ -41,7 +41,7 @@ pub(super) struct Triangle {
     /// Whether it is transparent: then no side of it is dark by itself.
     pub(super) lets_light_pass: bool,
     /// Where it has holes; `None` when it is whole.
-    mask: Option<Box<Mask>>,
+    pub(super) mask: Option<Box<Mask>>,
 }
 
 impl Triangle {
@@ -194,6 +194,11 @@ impl Triangle {
         facing != 0
             && self.side_of(point, coordinate_m) == -facing
             && !(self.is_masked() && self.has_hole_towards(point, light))
+    }
+
+    /// Whether all of it within the hull of `points`, which lie on it, is hole (true) or solid; `None` where it may be both.
+    pub(super) fn is_hole_within(&self, points: &[DVec3]) -> Option<bool> {
+        self.mask.as_ref().map_or(Some(false), |mask| mask.is_hole_within(&self.corners, points))
     }
 
     /// Whether there is a hole where the way from `point` to `light` crosses it, which it does.

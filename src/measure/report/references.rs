@@ -101,12 +101,13 @@ fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 }
 
 /// The texts that say what a reference is.
-const SOURCES: [&str; 18] = [
+const SOURCES: [&str; 19] = [
     include_str!("../../../engine/src/shadow/area_light.rs"),
     include_str!("../../../engine/src/shadow/light_samples.rs"),
     include_str!("../answers.rs"),
     include_str!("../area.rs"),
     include_str!("../bvh.rs"),
+    include_str!("../cover.rs"),
     include_str!("../disc.rs"),
     include_str!("../forms.rs"),
     include_str!("../glass.rs"),
