@@ -39,8 +39,9 @@ impl Cover {
         let mut to = [0; 2];
         for axis in 0..2 {
             let size = self.size[axis] as f64;
-            // Every texel that a blend may reach, and one more for rounding.
-            let (first, last) = ((low[axis] * size).floor() - 2.0, (high[axis] * size).ceil() + 2.0);
+            // A blend reaches the texels whose middles are on either side.
+            let first = (low[axis] * size - 0.5 - DOUBT).floor();
+            let last = (high[axis] * size - 0.5 + DOUBT).floor() + 2.0;
             let period = if texture.wrap[axis] == Wrap::Repeat { (first / size).floor() * size } else { 0.0 };
             let (first, last) = (first - period, last - period);
             if !(first >= 0.0 && last <= size) {
@@ -100,7 +101,7 @@ mod tests {
         assert_eq!(over([1.1, 1.4]), Some(false));
         assert_eq!(over([0.6, 0.9]), Some(true));
         assert_eq!(over([0.4, 0.6]), None);
-        assert_eq!(over([0.1, 0.499]), None);
+        assert_eq!((over([0.1, 0.49]), over([0.1, 0.499])), (Some(false), None));
         // Half of a solid texel is less than the cutoff.
         let thin = Cover::new(&image, [0.4, 1.0], 0.5);
         assert_eq!(thin.over(&texture, DVec2::new(0.1, 0.4), DVec2::new(0.4, 0.6)), None);

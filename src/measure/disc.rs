@@ -452,6 +452,10 @@ impl Reference {
                 let t = triangle.plane_parameter(point, direction).filter(|t| *t > 0.0)?;
                 *crossing = point + direction * t;
             }
+            // What the point alone leaves open, its moves do not decide.
+            if index == 0 {
+                triangle.is_hole_within(crossings)?;
+            }
         }
         triangle.is_hole_within(crossings.as_flattened())
     }
