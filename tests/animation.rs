@@ -195,15 +195,17 @@ fn a_thousand_instances_cast_exactly() {
 }
 
 /// A face of a box seen so nearly edge-on that it is an eighth of a pixel thin. Snapping its corners to 1/256 pixel tilts
-/// it by millimetres, more than moving the pixel's centre on the exact face can tell: one pixel on it is wrong and not
-/// in the band.
+/// it by millimetres: the band has to follow from the snap of this very triangle.
 #[test]
-#[ignore = "known issue: surfaces seen edge-on, thinner than a pixel"]
 fn surfaces_thinner_than_a_pixel() {
     let mut scene = thousand();
     let Some(mut renderer) = common::renderer() else { return };
     light_thousand(&mut scene);
     let evaluation = evaluate(&mut renderer, &scene, &request_thousand([640, 360]), &|_, _| {}).unwrap();
     println!("{}", ErrorTable(&evaluation.errors));
-    assert!(evaluation.errors.iter().all(|error| error.wrong_outside_band == 0));
+    for error in &evaluation.errors {
+        assert!(error.passes() && error.wrong_outside_band == 0, "{error:?}");
+        // As wide as before it followed from the triangle, but for a few pixels.
+        assert!(error.band_pixels < 100 && error.shadow_pixels > 2_500, "{error:?}");
+    }
 }

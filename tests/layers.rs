@@ -18,7 +18,8 @@ use shadowgraph::engine::shadow::{
     Cache, Catalog, Layers, LightPlan, ShadowError, ShadowTechnique, TechniqueEntry,
 };
 use shadowgraph::measure::{
-    ErrorTable, LayerEvaluation, Reference, ReferenceShadow, evaluate, evaluate_layers,
+    ErrorTable, LayerEvaluation, LightQuery, LightSize, Reference, ReferenceShadow, Samples, SizedCasters,
+    evaluate, evaluate_layers,
 };
 use shadowgraph::nodes::ShadowVolumeHard;
 use shadowgraph::prelude::*;
@@ -186,6 +187,80 @@ fn coloured_factors_on_layers_are_those_of_the_reference() {
         let opaque = evaluate(&mut renderer, &scene, &case.request(), &|_, _| {}).unwrap();
         assert!(opaque.errors[0].passes(), "{name}:\n{}", ErrorTable(&opaque.errors));
     }
+}
+
+/// A pane that rises so, under a tile and a lamp of 1.5 m: the pane casts colours, the tile soft shadows.
+fn pane_under_wide_lamp(slope: f32) -> Scene {
+    let mut scene = Scene::new();
+    let floor = common::mesh(plane(Vec2::splat(3.0)).named("floor"));
+    scene.add_mesh(floor, Material::default(), DAffine3::IDENTITY);
+    let glass = blended(Vec3::new(1.0, 0.4, 0.1), 0.5);
+    let glass = scene.add_mesh(common::mesh(pane(slope)), glass, DAffine3::IDENTITY);
+    let tile = common::mesh(plane(Vec2::splat(0.5)).named("tile"));
+    let tile = scene.add_mesh(tile, Material::default(), common::at(0.2, 3.4, 0.0));
+    scene.add_light(Light::point("lamp", 60.0), DVec3::new(0.3, 5.0, 0.2), DVec3::ZERO);
+    scene.add_shadow("glass", ShadowNode::new("TransparentShadow").with_casters([glass]));
+    let mut soft = ShadowNode::new("ShadowVolumeSoft").with_casters([tile]);
+    soft.params.insert("radius".into(), ParamValue::Number(1.5));
+    soft.params.insert("samples".into(), ParamValue::Number(16.0));
+    scene.add_shadow("soft", soft);
+    scene
+}
+
+/// Judges that scene's layers; how many of their pixels are in penumbrae.
+fn check_under_wide_lamp(slope: f32) -> Option<usize> {
+    let mut renderer = renderer()?;
+    let layers = judged(&mut renderer, &pane_under_wide_lamp(slope), &from_above([120, 96]));
+    assert!(check(&format!("slope {slope}"), &layers) > 500);
+    assert_eq!(layers[0].errors[0].same_samples, Some(16));
+    Some(layers[0].errors[0].penumbra_pixels)
+}
+
+#[test]
+fn lights_with_a_size_are_judged_on_layers() {
+    for slope in [0.0, 0.9, -1.6] {
+        let Some(penumbra) = check_under_wide_lamp(slope) else { return };
+        assert!(penumbra > 100, "{penumbra} pixels in penumbrae");
+    }
+}
+
+/// Where the lamp dips below a pane's own plane, light passes the pane: no part of it is dark by itself.
+#[test]
+#[ignore = "known issue: ShadowVolumeSoft darkens what lies beyond a transparent layer's own horizon"]
+fn a_lamp_that_dips_below_a_pane_lights_it_all_the_same() {
+    for slope in [3.0, -5.0] {
+        check_under_wide_lamp(slope);
+    }
+}
+
+#[test]
+fn only_opaque_surfaces_have_a_horizon() {
+    let size = LightSize { radius_m: 1.5, half_angle_rad: 0.0 };
+    let sized = vec![SizedCasters { casters: vec![], size, samples: Samples::Same(16) }];
+    let query = [LightQuery { sized, ..LightQuery::default() }];
+    let request = from_above([120, 96]);
+    let camera = &request.camera;
+    let judge = |alpha_mode: AlphaMode| {
+        let mut scene = panes_over_floor(&[], Material::default(), "ShadowVolumeHard");
+        let material = Material { alpha_mode, ..blended(Vec3::X, 0.5) };
+        scene.add_mesh(common::mesh(pane(3.0)), material, DAffine3::IDENTITY);
+        let reference = Reference::new(&scene.pose().unwrap());
+        let nothing = |_: usize, _: usize| {};
+        let opaque = reference.render(camera, request.size_px, &query, &nothing);
+        let layers =
+            reference.render_layers(camera, request.size_px, Antialias::None, &query, 0..1, &nothing);
+        [&opaque, &layers[0]].map(|image| {
+            let pane = image.hits.iter().map(|hit| hit.is_some_and(|hit| hit.instance == 1));
+            let factors = image.lights[0].factor.iter().zip(pane);
+            let on_pane: Vec<f32> =
+                factors.filter(|(_, is_pane)| *is_pane).map(|(factor, _)| *factor).collect();
+            (on_pane.len(), on_pane.iter().filter(|factor| **factor < 1.0).count())
+        })
+    };
+    let [(seen, partly), (layers, _)] = judge(AlphaMode::Opaque);
+    assert!(seen > 1000 && partly > 500 && layers == 0, "{seen} on the board, {partly} of them partly dark");
+    let [(seen, _), (layers, partly)] = judge(AlphaMode::Blend);
+    assert!(seen == 0 && layers > 1000 && partly == 0, "{layers} on the pane, {partly} of them partly dark");
 }
 
 #[test]

@@ -91,6 +91,7 @@ fn only_light(image: &ReferenceImage, index: usize) -> ReferenceImage {
     ReferenceImage {
         size_px: image.size_px,
         hits: image.hits.clone(),
+        ties: image.ties.clone(),
         lights: vec![image.lights[index].clone()],
     }
 }

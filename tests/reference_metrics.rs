@@ -2,8 +2,8 @@
 
 use shadowgraph::measure::pictures::{self, PictureError};
 use shadowgraph::measure::{
-    CompareError, ErrorTable, Hit, LightError, LightReference, Measured, ReferenceImage, compare,
-    expect_shadow,
+    CompareError, ErrorTable, Hit, LightError, LightReference, Measured, ReferenceImage, SoftBounds, Verdict,
+    compare, expect_shadow,
 };
 
 const SIZE: [u32; 2] = [64, 48];
@@ -28,9 +28,9 @@ fn reference(band: bool) -> ReferenceImage {
         factor: hits.iter().enumerate().map(|(pixel, hit)| factor(hit, is_dark(at(pixel)))).collect(),
         compared: hits.iter().map(Option::is_some).collect(),
         ambiguous: (0..PIXELS).map(|p| band && hits[p].is_some() && at(p).0 > 0 && at_edge(at(p))).collect(),
-        soft: None,
+        ..LightReference::default()
     };
-    ReferenceImage { size_px: SIZE, hits, lights: vec![light] }
+    ReferenceImage { size_px: SIZE, hits, lights: vec![light], ..ReferenceImage::default() }
 }
 
 fn measured(reference: &ReferenceImage) -> Measured {
@@ -144,6 +144,13 @@ fn hollow_comparisons_do_not_pass() {
     assert_eq!((error.compared, error.different_triangle, error.wrong), (0, PIXELS, 0));
     assert!(!error.passes());
     assert!(matches!(expect_shadow(&[error]), Err(CompareError::NothingCompared { .. })));
+    assert_eq!(errors_of(&elsewhere, &reference).verdict(), Verdict::SeesOtherSurfaces);
+    // Nothing within the light's range: that is no mistake, and nothing exact either.
+    let mut out_of_range = reference.clone();
+    out_of_range.lights[0].compared.fill(false);
+    let error = errors_of(&measured(&reference), &out_of_range);
+    assert_eq!((error.verdict(), error.passes(), error.fails()), (Verdict::NothingCompared, false, false));
+    assert!(ErrorTable(std::slice::from_ref(&error)).to_string().ends_with("nothing compared"));
     // A scene without shadow.
     let mut lit = reference.clone();
     lit.lights[0].factor.iter_mut().filter(|f| !f.is_nan()).for_each(|f| *f = 1.0);
@@ -154,6 +161,37 @@ fn hollow_comparisons_do_not_pass() {
     wide.lights[0].ambiguous.fill(true);
     let error = compare(&measured(&wide), &wide).unwrap().remove(0);
     assert!(error.band_too_wide && !error.passes());
+}
+
+fn errors_of(measured: &Measured, reference: &ReferenceImage) -> LightError {
+    compare(measured, reference).expect("the pictures belong together").remove(0)
+}
+
+#[test]
+fn a_whole_lights_band_is_held_to_its_limit_too() {
+    // Every pixel may be anything, and nothing is excused by that.
+    let mut wide = reference(false);
+    for same_samples in [None, Some(16)] {
+        let bounds = vec![[0.0, 1.0]; PIXELS];
+        wide.lights[0].ambiguous.fill(true);
+        wide.lights[0].soft = Some(SoftBounds { same_samples, bounds, boundary_px: 69.0 });
+        let error = errors_of(&measured(&wide), &wide);
+        assert!(error.band_too_wide && error.verdict() == Verdict::BandTooWide, "{error:?}");
+        assert!(error.band_px == (64 * 44) as f64 && error.band_limit_px < 250.0, "{error:?}");
+    }
+}
+
+#[test]
+fn a_light_has_one_verdict() {
+    let error = errors(true, |_, _| 1.0);
+    assert!(error.fails());
+    let judged = |by_samples| LightError { by_samples: Some(by_samples), ..error.clone() };
+    assert!(
+        judged(Verdict::Exact).passes()
+            && judged(Verdict::NothingCompared).verdict() == Verdict::NothingCompared
+    );
+    let fine = errors(true, |_, f| f);
+    assert!(LightError { by_samples: Some(Verdict::Wrong), ..fine }.fails());
 }
 
 /// Three channels from one: what `change(channel, pixel, factor)` makes of it.

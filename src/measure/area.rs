@@ -3,7 +3,8 @@
 //! **The light** is a disc, as `shadowgraph_engine::shadow` defines it for every technique ([`LightSize::disc`]).
 //!
 //! **The factor** is the share of samples that nothing blocks, each judged as hard shadows are. Samples on the other side
-//! of the receiving triangle than the eye are dark. *Same samples* ([`light_samples`]) are those that the judged technique takes
+//! of the receiving triangle than the eye are dark, unless the receiver is transparent: then light passes it, and each sample
+//! is only what stands strictly between. *Same samples* ([`light_samples`]) are those that the judged technique takes
 //! itself, so that every pixel can be judged; else there are so many stratified ones ([`disc_samples`]) that their share
 //! is as good as the integral: an edge's position is then off by a thousandth of the disc.
 //!
@@ -18,8 +19,9 @@ use shadowgraph_engine::shadow::{LightSize, disc_samples, light_samples};
 
 use super::disc::{DiscTracer, Sight, Way};
 use super::moved::Moved;
+use super::query::Judged;
 use super::reference::{CasterSet, Reference};
-use super::render::Judged;
+use super::samples::SampleTree;
 
 /// As many samples stand for the whole light where nothing else is asked for.
 pub const CONVERGED_SAMPLES: u32 = 4096;
@@ -59,7 +61,7 @@ pub struct SizedCasters {
 pub struct SoftBounds {
     /// The samples that the judged technique takes itself; `None` where some stand for the whole light.
     pub same_samples: Option<u32>,
-    /// For each pixel the least and the largest factor that ambiguous samples allow.
+    /// For each value of the factor (one a pixel, or three) the least and the largest that ambiguous samples allow.
     pub bounds: Vec<[f32; 2]>,
     /// The mean, over the samples, of the boundary pixels of each one's own shadow: with it the band is compared, which for
     /// several samples is the mean of their bands. Known for same samples.
@@ -71,15 +73,18 @@ pub(super) struct SizedQuery {
     pub(super) casters: CasterSet,
     pub(super) size: LightSize,
     pub(super) samples: Vec<DVec2>,
+    tree: SampleTree,
     pub(super) same_samples: Option<u32>,
 }
 
 impl SizedQuery {
     pub(super) fn new(reference: &Reference, sized: &SizedCasters) -> Self {
+        let samples = sized.samples.points();
         Self {
             casters: reference.caster_set(&sized.casters),
             size: sized.size,
-            samples: sized.samples.points(),
+            tree: SampleTree::new(&samples),
+            samples,
             same_samples: match sized.samples {
                 Samples::Same(count) => Some(count),
                 Samples::Converged(_) => None,
@@ -97,19 +102,18 @@ impl SizedQuery {
         &self,
         tracer: &mut DiscTracer<'_>,
         light: usize,
-        moved: &Moved,
+        moved: &Moved<'_>,
         lit: &mut [u64],
     ) -> Judged {
         lit.fill(u64::MAX);
         let light = &tracer.reference.lights[light];
         let reached = moved.points.map(|point| light.reaches(point));
         let compared = reached[0];
-        if !moved.receives || !compared {
+        if !moved.surface.receives || !compared {
             return Judged { factor: 1.0, compared, ambiguous: false, bounds: [1.0; 2] };
         }
         let way = Way::new(self.size, &self.casters, light.position, moved);
         let center_only = way.disc().radius == 0.0;
-        let samples = if center_only { &[DVec2::ZERO][..] } else { &self.samples };
         // Lit and certain, lit and ambiguous, dark and ambiguous.
         let mut counts = [0_u32; 3];
         let mut darken = |index: usize| {
@@ -118,26 +122,25 @@ impl SizedQuery {
             }
         };
         match tracer.gather(&way) {
-            Some(true) => counts[0] = samples.len() as u32,
+            Some(true) => counts[0] = self.samples.len() as u32,
             Some(false) => (0..self.samples.len()).for_each(darken),
             None => {
-                for (index, sample) in samples.iter().enumerate() {
-                    match tracer.sees(&way, *sample) {
-                        Sight { lit: true, certain: true } => counts[0] += 1,
-                        Sight { lit: true, certain: false } => counts[1] += 1,
-                        Sight { lit: false, certain } => {
-                            counts[2] += u32::from(!certain);
-                            if center_only {
-                                (0..self.samples.len()).for_each(&mut darken);
-                            } else {
-                                darken(index);
-                            }
-                        }
+                let mut tell = |members: &[u32], Sight { lit, certain }: Sight| {
+                    if lit || !certain {
+                        counts[usize::from(!certain) + usize::from(!lit)] += members.len() as u32;
                     }
+                    if !lit {
+                        members.iter().for_each(|index| darken(*index as usize));
+                    }
+                };
+                match center_only {
+                    // All samples are in the centre; their share is 0 or 1.
+                    true => tell(self.tree.all_members(), tracer.sees_center(&way)),
+                    false => tracer.ask(&way, (&self.tree, &self.samples), &mut tell),
                 }
             }
         }
-        let share = |count: u32| (f64::from(count) / samples.len() as f64) as f32;
+        let share = |count: u32| (f64::from(count) / self.samples.len() as f64) as f32;
         let mut bounds = [share(counts[0]), share(counts.iter().sum())];
         if moved.lost {
             bounds = [0.0, 1.0];

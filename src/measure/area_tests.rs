@@ -7,8 +7,8 @@ use shadowgraph_engine::shadow::{LightSize, light_samples};
 
 use super::area::{Samples, SizedCasters, SizedQuery, boundary_px};
 use super::moved::{MOVES, Moved};
-use super::reference::{Hit, Reference};
-use super::render::View;
+use super::reference::Reference;
+use super::view::View;
 use crate::cases::{self, Case, sweeps};
 
 const SIZE_PX: [u32; 2] = [28, 28];
@@ -21,18 +21,18 @@ fn case(name: &str) -> Case {
 }
 
 /// For each move one bit: whether anything stands between the moved point and `sample` of the disc that it sees.
-fn blocked(reference: &Reference, query: &SizedQuery, light: DVec4, moved: &Moved, sample: DVec2) -> u8 {
+fn blocked(reference: &Reference, query: &SizedQuery, light: DVec4, moved: &Moved<'_>, sample: DVec2) -> u8 {
     let mut bits = 0;
     for triangle in &reference.triangles {
-        let hit = Hit { instance: triangle.instance, triangle: triangle.triangle };
-        if !triangle.casts || hit == moved.hit || !query.casters.contains(triangle.instance) {
+        if !triangle.casts || triangle.is(moved.surface) || !query.casters.contains(triangle.instance) {
             continue;
         }
-        let own_plane = triangle.side_of(moved.points[0], reference.coordinate_m) == 0;
+        if triangle.holds(moved.surface, reference.coordinate_m) {
+            continue;
+        }
         for (index, point) in moved.points.iter().enumerate() {
             let position = position(query.size, light, *point, sample);
-            let blocks = triangle.blocks(*point, position, reference.coordinate_m);
-            bits |= u8::from(blocks && !(own_plane && index >= 5)) << index;
+            bits |= u8::from(triangle.blocks(*point, position, reference.coordinate_m)) << index;
         }
     }
     bits
@@ -70,7 +70,7 @@ fn against_brute_force(name: &str, size: Option<LightSize>, count: u32) -> Met {
         let Some((hit, t)) = view.first_hit(&mut first, place) else { continue };
         let Some(moved) = Moved::new(&reference, &view, place, hit, t) else { continue };
         let judged = query.judge(&mut tracer, 0, &moved, &mut words);
-        if !moved.receives || !judged.compared || moved.lost {
+        if !moved.surface.receives || !judged.compared || moved.lost {
             continue;
         }
         let surface = reference.surface(hit).expect("what is hit is a surface");

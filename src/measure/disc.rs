@@ -6,15 +6,18 @@
 //! known in closed form. So a triangle misses the whole disc, covers all of it, or is kept for single samples.
 //!
 //! **Nothing is decided by a form that is not clear.** The moves of the ambiguity band change a form by no more than
-//! its margin, rounding included. Within the margin the exact questions of [`super::surface`] are asked, for each of the
-//! moves; so the answers are those of asking every triangle for every sample and move.
+//! its margin, rounding included. Within the margin each of the moves has forms of its own ([`Aim`]), whose margins are
+//! rounding alone, and where these are not clear either the exact questions of [`super::surface`] are asked; so the answers
+//! are those of asking every triangle for every sample and move.
 
 use glam::{DVec2, DVec3, DVec4};
 use shadowgraph_engine::shadow::{LightDisc, LightSize};
 
 use super::bvh::Open;
+use super::forms::{Class, Form, Partial};
 use super::moved::{CORNERS, MOVES, Moved};
-use super::reference::{CasterSet, Hit, Reference};
+use super::reference::{CasterSet, Reference};
+use super::samples::{Group, SampleTree};
 use super::surface::Triangle;
 
 /// Rounding of forms and of what they stand in for, in shares of the products they are sums of: some tens of roundings.
@@ -25,10 +28,20 @@ const DIRECTION_EPSILON: f64 = 1e-6;
 
 /// All ways from a receiver's point, and its moved copies, to the light.
 pub(super) struct Way<'a> {
-    moved: &'a Moved,
+    moved: &'a Moved<'a>,
     casters: &'a CasterSet,
     light: DVec4,
-    discs: [LightDisc; MOVES + CORNERS],
+    /// The point with the margins that cover its moves, then the point and each moved copy by itself.
+    aims: [Aim; 1 + MOVES + CORNERS],
+    /// The disc that the unmoved point sees.
+    disc: LightDisc,
+    /// Whether samples lie anywhere, as far as the moves can tell.
+    unsettled: bool,
+}
+
+/// All ways from one point to the disc that it sees.
+struct Aim {
+    point: DVec3,
     /// From the point to the disc's centre, and to where the disc's axes end from there.
     to_center: DVec3,
     axes: [DVec3; 2],
@@ -37,147 +50,88 @@ pub(super) struct Way<'a> {
     /// How far the point moves, and how far a sample.
     point_moves: f64,
     sample_moves: f64,
-    /// Whether samples lie anywhere, as far as the moves can tell.
-    unsettled: bool,
 }
 
 /// A disc is unsettled when its samples move by more than this share of its radius.
 const UNSETTLED: f64 = 1.0 / 16.0;
 
 impl<'a> Way<'a> {
-    pub(super) fn new(size: LightSize, casters: &'a CasterSet, light: DVec4, moved: &'a Moved) -> Self {
+    pub(super) fn new(size: LightSize, casters: &'a CasterSet, light: DVec4, moved: &'a Moved<'a>) -> Self {
         let points = moved.everywhere();
         let center = points[0];
         let position = light.truncate();
-        let discs = points.map(|point| size.disc((position - point * light.w).extend(light.w)));
+        let to_light = |point: DVec3| position - point * light.w;
+        let discs = points.map(|point| size.disc(to_light(point).extend(light.w)));
         let axes = |disc: &LightDisc| [disc.u * disc.radius, disc.v * disc.radius];
         let own = axes(&discs[0]);
         let turns = discs.iter().map(axes).map(|[u, v]| (u - own[0]).length() + (v - own[1]).length());
         let sample_moves = turns.fold(0.0, f64::max);
         let point_moves = points.iter().map(|point| point.distance(center)).fold(0.0, f64::max);
-        let radius = discs[0].radius;
+        let aim = |index: usize, moves: [f64; 2]| Aim {
+            point: points[index],
+            to_center: to_light(points[index]),
+            axes: axes(&discs[index]),
+            radius: discs[index].radius,
+            point_moves: moves[0],
+            sample_moves: moves[1] + 1e-15 * (position.length() + discs[index].radius),
+        };
         Self {
             moved,
             casters,
             light,
-            to_center: position - center * light.w,
-            axes: own,
-            radius,
-            discs,
-            point_moves,
-            unsettled: sample_moves > radius * UNSETTLED,
-            sample_moves: sample_moves + 1e-15 * (position.length() + radius),
+            aims: std::array::from_fn(|index| match index.checked_sub(1) {
+                None => aim(0, [point_moves, sample_moves]),
+                Some(index) => aim(index, [0.0; 2]),
+            }),
+            disc: discs[0],
+            unsettled: sample_moves > discs[0].radius * UNSETTLED,
         }
     }
 
     /// The disc that the unmoved point sees.
     pub(super) fn disc(&self) -> &LightDisc {
-        &self.discs[0]
+        &self.disc
+    }
+
+    /// The point with all its moves.
+    fn all_moves(&self) -> &Aim {
+        &self.aims[0]
+    }
+
+    /// The point alone, or one of its moved copies.
+    fn move_alone(&self, index: usize) -> &Aim {
+        &self.aims[index + 1]
     }
 
     /// Where a moved point sees `sample`.
     fn sample(&self, index: usize, sample: DVec2) -> DVec4 {
-        let LightDisc { radius, u, v } = self.discs[index];
-        self.light + ((u * sample.x + v * sample.y) * radius).extend(0.0)
+        let [u, v] = self.move_alone(index).axes;
+        self.light + (u * sample.x + v * sample.y).extend(0.0)
     }
+}
 
+impl Aim {
     /// The largest distance of a sample from the point, and of one from `corner`.
-    fn reach(&self, corner: DVec3) -> [f64; 2] {
+    fn reach(&self, corner: DVec3, light: DVec4) -> [f64; 2] {
         let beyond = self.radius + self.sample_moves;
         let length = self.to_center.length() + beyond;
-        [length, if self.light.w == 0.0 { length } else { corner.distance(self.light.truncate()) + beyond }]
+        [length, if light.w == 0.0 { length } else { corner.distance(light.truncate()) + beyond }]
     }
 
     /// How `normal` · sample changes over the disc, from `center` on.
     fn form(&self, center: f64, normal: DVec3, margin: f64) -> Form {
-        Form { center, slope: DVec2::new(normal.dot(self.axes[0]), normal.dot(self.axes[1])), margin }
+        Form::new(center, DVec2::new(normal.dot(self.axes[0]), normal.dot(self.axes[1])), margin)
     }
 
     /// On which side of `triangle` samples lie.
-    fn light_side(&self, triangle: &Triangle, moves: f64) -> Form {
+    fn light_side(&self, triangle: &Triangle, light: DVec4, moves: f64) -> Form {
         let normal = triangle.normal();
         let corner = triangle.corners[0];
-        let center = normal.dot(self.light.truncate() - corner * self.light.w);
-        let [_, reach] = self.reach(corner);
+        let center = normal.dot(light.truncate() - corner * light.w);
+        let [_, reach] = self.reach(corner, light);
         let rounding = ROUNDING * reach * triangle.edges_product();
         self.form(center, normal, normal.length() * (self.sample_moves + moves) + rounding)
     }
-}
-
-/// A linear function over the unit disc, and what it may be off.
-#[derive(Clone, Copy)]
-struct Form {
-    center: f64,
-    slope: DVec2,
-    margin: f64,
-}
-
-impl Form {
-    fn times(self, sign: f64) -> Self {
-        Self { center: self.center * sign, slope: self.slope * sign, ..self }
-    }
-
-    /// The smallest and the largest value.
-    fn range(&self) -> [f64; 2] {
-        let reach = self.slope.length() * (1.0 + 1e-12);
-        [self.center - reach, self.center + reach]
-    }
-
-    #[inline(always)]
-    fn at(&self, sample: DVec2) -> f64 {
-        self.center + self.slope.dot(sample)
-    }
-
-    /// +1 or −1 where the value's sign is beyond doubt.
-    #[inline(always)]
-    fn sign_of(&self, value: f64) -> i32 {
-        i32::from(value > self.margin) - i32::from(value < -self.margin)
-    }
-}
-
-/// A triangle that may stand before part of the disc.
-struct Partial {
-    place: u32,
-    /// The three edges and the side of the light, positive where the triangle is in the way. The side is 1 everywhere
-    /// where on which side the point lies is open: then edges only exclude, by different signs.
-    forms: [Form; 4],
-    /// Whether all forms being positive settles that it is in the way.
-    settles: bool,
-    /// On which side of its plane the point lies is open.
-    open: bool,
-}
-
-impl Partial {
-    /// Whether it stands before `sample`, where the forms settle that.
-    #[inline(always)]
-    fn decides(&self, sample: DVec2) -> Option<bool> {
-        let mut all_clear = self.settles;
-        let mut excluding = [false; 2];
-        for form in &self.forms {
-            let value = form.at(sample);
-            if value < -form.margin {
-                excluding[0] = true;
-                if !self.open || excluding[1] {
-                    return Some(false);
-                }
-            } else if value <= form.margin {
-                all_clear = false;
-            } else if self.open && form.slope != DVec2::ZERO {
-                // The side of the light, which is 1 everywhere, excludes nothing.
-                excluding[1] = true;
-                if excluding[0] {
-                    return Some(false);
-                }
-            }
-        }
-        all_clear.then_some(true)
-    }
-}
-
-enum Class {
-    Misses,
-    Covers,
-    Partly(Partial),
 }
 
 /// What the point sees of a sample.
@@ -194,8 +148,10 @@ pub(super) struct DiscTracer<'a> {
     stack: Vec<Open>,
     /// What stands before part of the disc last gathered for.
     partly: Vec<Partial>,
-    /// Those of them that are open for a sample.
-    doubtful: Vec<u32>,
+    /// The indices of those of them that may be in the way: of all samples, then of a group, then of a group in that.
+    open: Vec<u32>,
+    /// What single moves say of those that were open for any sample: as many for each as there are moves.
+    by_move: Vec<Option<Class>>,
     /// The receiver's plane.
     own_side: Option<Form>,
     /// What covered a whole disc last.
@@ -208,7 +164,8 @@ impl Reference {
             reference: self,
             stack: Vec::with_capacity(64),
             partly: Vec::new(),
-            doubtful: Vec::new(),
+            open: Vec::new(),
+            by_move: Vec::new(),
             own_side: None,
             last_cover: u32::MAX,
         }
@@ -218,34 +175,40 @@ impl Reference {
 impl DiscTracer<'_> {
     /// Finds everything that is between; `Some` when every sample is lit, or every one dark, beyond doubt.
     pub(super) fn gather(&mut self, way: &Way<'_>) -> Option<bool> {
-        let Self { reference, stack, partly, own_side, last_cover, .. } = self;
+        let Self { reference, stack, partly, by_move, own_side, last_cover, .. } = self;
         partly.clear();
-        let surface = reference.surface(way.moved.hit)?;
+        by_move.clear();
+        let aim = way.all_moves();
+        let surface = way.moved.surface;
         // Moved in depth, the point leaves its plane, and the light is seen from there.
         let normal = surface.normal().normalize_or_zero();
         let off_plane = way.moved.points.map(|point| (normal.dot(point - way.moved.points[0])).abs());
         let off_plane = if way.light.w == 0.0 { 0.0 } else { off_plane.into_iter().fold(0.0, f64::max) };
-        let direction_error = DIRECTION_EPSILON * way.reach(surface.corners[0])[0];
-        let facing =
-            way.light_side(surface, off_plane + direction_error).times(f64::from(way.moved.eye_side));
+        let direction_error = DIRECTION_EPSILON * aim.reach(surface.corners[0], way.light)[0];
+        let facing = match surface.lets_light_pass {
+            true => Form::EVERYWHERE,
+            false => {
+                let side = aim.light_side(surface, way.light, off_plane + direction_error);
+                side.times(f64::from(way.moved.eye_side))
+            }
+        };
         let [least, largest] = facing.range();
-        if largest < -facing.margin || way.moved.eye_side == 0 {
+        if largest < -facing.margin || (way.moved.eye_side == 0 && !surface.lets_light_pass) {
             return Some(false);
         }
         *own_side = Some(facing);
         if reference.triangles.get(*last_cover as usize).is_some()
-            && matches!(reference.classify(*last_cover, way), Class::Covers)
+            && matches!(reference.classify(*last_cover, way, aim), Class::Covers)
         {
             return Some(false);
         }
-        let spread = |axis: usize| way.axes[0][axis].hypot(way.axes[1][axis]) + way.sample_moves;
+        let spread = |axis: usize| aim.axes[0][axis].hypot(aim.axes[1][axis]) + aim.sample_moves;
         let far_m = DVec3::new(spread(0), spread(1), spread(2));
-        let [from, ..] = way.moved.points;
-        let cone = reference.bvh.cone(from, way.point_moves, way.to_center, far_m, way.light.w != 0.0);
+        let cone = reference.bvh.cone(aim.point, aim.point_moves, aim.to_center, far_m, way.light.w != 0.0);
         let mut covered = false;
         reference.bvh.walk_cone(&cone, stack, |leaf| {
             for place in leaf {
-                match reference.classify(place as u32, way) {
+                match reference.classify(place as u32, way, aim) {
                     Class::Misses => {}
                     Class::Partly(partial) => partly.push(partial),
                     Class::Covers => {
@@ -262,110 +225,279 @@ impl DiscTracer<'_> {
         }
     }
 
-    /// Whether the point sees `sample`, after [`DiscTracer::gather`].
-    pub(super) fn sees(&mut self, way: &Way<'_>, sample: DVec2) -> Sight {
+    /// Tells what the point sees of all `samples` of a disc, after [`DiscTracer::gather`]: of groups where that is the same for all
+    /// and the forms say so, of single ones elsewhere. What was found to be out of the way of a group is not asked about
+    /// within it.
+    pub(super) fn ask(
+        &mut self,
+        way: &Way<'_>,
+        (tree, samples): (&SampleTree, &[DVec2]),
+        tell: &mut dyn FnMut(&[u32], Sight),
+    ) {
+        self.open.clear();
+        self.open.extend(0..self.partly.len() as u32);
+        if let Some(all) = tree.all() {
+            self.ask_group(way, (tree, samples), all, 0, tell);
+        }
+    }
+
+    /// The same of a group; what may be in the way of it is open from number `first` on.
+    fn ask_group(
+        &mut self,
+        way: &Way<'_>,
+        (tree, samples): (&SampleTree, &[DVec2]),
+        group: &Group,
+        first: usize,
+        tell: &mut dyn FnMut(&[u32], Sight),
+    ) {
+        let own = self.open.len();
+        if let Some(sight) = self.sees_all(way, group, first) {
+            tell(tree.members(group), sight);
+        } else if let Some(children) = tree.children(group) {
+            for child in children {
+                self.ask_group(way, (tree, samples), child, own, tell);
+            }
+        } else {
+            for index in tree.members(group) {
+                let sight = self.sees(way, samples[*index as usize], own);
+                tell(&[*index], sight);
+            }
+        }
+        self.open.truncate(own);
+    }
+
+    /// What the point sees of the disc's centre, which all samples are in, after [`DiscTracer::gather`].
+    pub(super) fn sees_center(&mut self, way: &Way<'_>) -> Sight {
+        self.open.clear();
+        self.open.extend(0..self.partly.len() as u32);
+        self.sees(way, DVec2::ZERO, 0)
+    }
+
+    /// What the point sees of `sample`, where only what is open from number `first` on may be in the way.
+    fn sees(&mut self, way: &Way<'_>, sample: DVec2, first: usize) -> Sight {
         let dark = Sight { lit: false, certain: true };
-        let Self { reference, partly, doubtful, own_side, .. } = self;
-        let (Some(facing), Some(surface)) = (own_side, reference.surface(way.moved.hit)) else { return dark };
+        let Self { reference, partly, open, by_move, own_side, .. } = self;
+        let (Some(facing), surface) = (own_side, way.moved.surface) else { return dark };
         let faces = facing.sign_of(facing.at(sample));
         if faces < 0 {
             return dark;
         }
-        doubtful.clear();
-        let mut covering = None;
-        for (index, partial) in partly.iter().enumerate() {
+        let own = open.len();
+        for place in first..own {
+            let partial = &partly[open[place] as usize];
             match partial.decides(sample) {
-                Some(false) => continue,
-                Some(true) => {
-                    covering = Some(index);
-                    break;
-                }
-                None => {}
+                Some(false) => {}
+                Some(true) => match reference.is_hole_for(partial, way, [sample; 1]) {
+                    Some(true) => {}
+                    Some(false) => {
+                        open.truncate(own);
+                        return dark;
+                    }
+                    None => open.push(open[place]),
+                },
+                None => open.push(open[place]),
             }
-            doubtful.push(partial.place);
         }
-        if let Some(index) = covering {
-            // Neighbouring samples are likely to be behind the same triangle.
-            partly.swap(0, index);
-            return dark;
-        }
-        let blocked_at = |doubtful: &[u32], first: usize, points: &[DVec3]| {
-            let blocks = |place: &u32| reference.blocked_moves(*place, way, sample, first, points);
-            doubtful.iter().fold(0, |bits, place| bits | blocks(place))
+        let mut blocked = |index: usize| {
+            let light = way.sample(index, sample);
+            open[own..].iter().any(|partial| {
+                let partial = &mut partly[*partial as usize];
+                reference.blocks_move(partial, by_move, way, index, (sample, light))
+            })
         };
-        let all = (1_u8 << MOVES) - 1;
-        let blocked = blocked_at(doubtful, 0, &way.moved.points);
+        let is_blocked = blocked(0);
         let turned_away = faces == 0 && surface.facing(way.sample(0, sample)) * way.moved.eye_side <= 0;
-        // Seven moves do not tell where else an unsettled sample may lie; only margins do.
-        let settled = doubtful.is_empty() || !way.unsettled;
-        let mut certain = settled && (blocked == all || (blocked == 0 && faces != 0));
-        if certain && !doubtful.is_empty() {
-            let corners = blocked_at(doubtful, MOVES, &way.moved.corners);
-            certain = corners == if blocked == 0 { 0 } else { u8::MAX };
+        // Where the sample may lie anywhere, the moves do not tell where; only margins do.
+        let certain = match open.len() == own {
+            true => faces != 0,
+            false => {
+                let settled = !way.unsettled && (is_blocked || faces != 0);
+                settled && (1..MOVES + CORNERS).all(|index| blocked(index) == is_blocked)
+            }
+        };
+        open.truncate(own);
+        Sight { lit: !is_blocked && !turned_away, certain }
+    }
+
+    /// What the point sees of every sample of a group, where that is the same for all and the forms say so. What may be in
+    /// the way is open from number `first` on, and what still may is added to that.
+    fn sees_all(&mut self, way: &Way<'_>, group: &Group, first: usize) -> Option<Sight> {
+        let Self { reference, partly, open, by_move, own_side, .. } = self;
+        let facing = (*own_side)?;
+        let [least, largest] = facing.range_in(group);
+        let dark = Sight { lit: false, certain: true };
+        if largest < -facing.margin {
+            return Some(dark);
         }
-        Sight { lit: blocked & 1 == 0 && !turned_away, certain }
+        let own = open.len();
+        for place in first..own {
+            let partial = &partly[open[place] as usize];
+            match partial.decides_all(group) {
+                Some(false) => {}
+                Some(true) => match reference.is_hole_for(partial, way, group.around()) {
+                    Some(true) => {}
+                    // Wherever samples face away, too.
+                    Some(false) => return Some(dark),
+                    None => open.push(open[place]),
+                },
+                None => open.push(open[place]),
+            }
+        }
+        if least <= facing.margin {
+            return None;
+        }
+        if open.len() == own {
+            return Some(Sight { lit: true, certain: true });
+        }
+        if way.unsettled {
+            return None;
+        }
+        let mut blocked = |index: usize| {
+            let mut all_known = true;
+            for partial in &open[own..] {
+                match reference.known(&mut partly[*partial as usize], by_move, way, index) {
+                    Class::Misses => {}
+                    Class::Covers => return Some(true),
+                    Class::Partly(alone) => match alone.decides_all(group) {
+                        Some(true) if !alone.is_masked => return Some(true),
+                        Some(false) => {}
+                        Some(true) | None => all_known = false,
+                    },
+                }
+            }
+            all_known.then_some(false)
+        };
+        let is_blocked = blocked(0)?;
+        let mut all_known = true;
+        for index in 1..MOVES + CORNERS {
+            match blocked(index) {
+                Some(other) if other != is_blocked => {
+                    return Some(Sight { lit: !is_blocked, certain: false });
+                }
+                other => all_known &= other.is_some(),
+            }
+        }
+        all_known.then_some(Sight { lit: !is_blocked, certain: true })
     }
 }
 
 impl Reference {
-    /// How much of the disc `place` stands before.
-    fn classify(&self, place: u32, way: &Way<'_>) -> Class {
+    /// How much of the disc `place` stands before, for a point or for all its moves.
+    fn classify(&self, place: u32, way: &Way<'_>, aim: &Aim) -> Class {
         let triangle = &self.triangles[place as usize];
-        let hit = Hit { instance: triangle.instance, triangle: triangle.triangle };
-        if !triangle.casts || hit == way.moved.hit || !way.casters.contains(triangle.instance) {
+        if !triangle.casts || triangle.is(way.moved.surface) || !way.casters.contains(triangle.instance) {
             return Class::Misses;
         }
-        let [point, ..] = way.moved.points;
+        let point = aim.point;
         let ends = triangle.corners.map(|corner| corner - point);
         let normal = triangle.normal();
         // On which side the point is, if its moves and the rounding of positions leave no doubt.
         let height = -normal.dot(ends[0]);
         let tolerance = triangle.side_tolerance(point, self.coordinate_m) * (1.0 + 1e-6)
-            + normal.length() * way.point_moves
+            + normal.length() * aim.point_moves
             + ROUNDING * triangle.edges_product() * ends[0].length();
         let open = height.abs() <= tolerance;
+        if open && triangle.holds(way.moved.surface, self.coordinate_m) {
+            return Class::Misses;
+        }
         // Seen from the other side, edges run the other way round.
         let sign = if open { 1.0 } else { -height.signum() };
         let edge = |index: usize| {
             let next = (index + 1) % 3;
             let across = ends[index].cross(ends[next]);
             let length = (ends[next] - ends[index]).length();
-            let [reach, from_corner] = way.reach(triangle.corners[index]);
-            let margin = way.point_moves * length * (from_corner + way.sample_moves)
-                + way.sample_moves * across.length()
+            let [reach, from_corner] = aim.reach(triangle.corners[index], way.light);
+            let margin = aim.point_moves * length * (from_corner + aim.sample_moves)
+                + aim.sample_moves * across.length()
                 + ROUNDING * reach * ends[index].length() * ends[next].length();
-            way.form(way.to_center.dot(across), across, margin).times(sign)
+            aim.form(aim.to_center.dot(across), across, margin).times(sign)
         };
         let edges = [edge(0), edge(1), edge(2)];
-        let everywhere = Form { center: 1.0, slope: DVec2::ZERO, margin: 0.0 };
-        let side = if open { everywhere } else { way.light_side(triangle, 0.0).times(sign) };
+        let side = if open { Form::EVERYWHERE } else { aim.light_side(triangle, way.light, 0.0).times(sign) };
         let forms = [edges[0], edges[1], edges[2], side];
         let never = |form: &Form| form.range()[1] < -form.margin;
         let always = |form: &Form| form.range()[0] > form.margin;
         if forms.iter().any(never) && (!open || edges.iter().any(always)) {
             return Class::Misses;
         }
-        let settles = !open && !triangle.is_masked();
-        if settles && forms.iter().all(always) {
+        let is_masked = triangle.is_masked();
+        if !open && !is_masked && forms.iter().all(always) {
             return Class::Covers;
         }
-        Class::Partly(Partial { place, forms, settles, open })
+        Class::Partly(Partial { place, moves: None, forms, is_masked, open })
     }
 
-    /// One bit for each of `points`, the moved ones from number `first` on: 1 where `place` stands between it and `sample`.
-    fn blocked_moves(&self, place: u32, way: &Way<'_>, sample: DVec2, first: usize, points: &[DVec3]) -> u8 {
-        let triangle = &self.triangles[place as usize];
-        let [center, ..] = way.moved.points;
-        let mut own_plane = None;
-        let mut blocked = 0;
-        for (index, point) in points.iter().enumerate() {
-            if triangle.blocks(*point, way.sample(first + index, sample), self.coordinate_m) {
-                // Moved off its plane: what holds the unmoved point in its own plane is the receiver's surface.
-                let ignored = first + index >= 5
-                    && *own_plane.get_or_insert_with(|| triangle.side_of(center, self.coordinate_m) == 0);
-                blocked |= u8::from(!ignored) << index;
+    /// Whether the ways from the point, wherever it is moved, to all samples within the hull of `samples` meet a hole of
+    /// `partial` (true) or none; they meet the triangle. `None` where they may meet both, or a sample may lie anywhere.
+    fn is_hole_for<const N: usize>(
+        &self,
+        partial: &Partial,
+        way: &Way<'_>,
+        samples: [DVec2; N],
+    ) -> Option<bool> {
+        if !partial.is_masked {
+            return Some(false);
+        }
+        if way.unsettled {
+            return None;
+        }
+        let triangle = &self.triangles[partial.place as usize];
+        let mut crossings = [[DVec3::ZERO; N]; MOVES + CORNERS];
+        for (index, crossings) in crossings.iter_mut().enumerate() {
+            let point = way.move_alone(index).point;
+            for (crossing, sample) in crossings.iter_mut().zip(samples) {
+                let light = way.sample(index, sample);
+                let direction = light.truncate() - point * light.w;
+                // A hull stays one where nothing of it is behind the point.
+                let t = triangle.plane_parameter(point, direction).filter(|t| *t > 0.0)?;
+                *crossing = point + direction * t;
+            }
+            // What the point alone leaves open, its moves do not decide.
+            if index == 0 {
+                triangle.is_hole_within(crossings)?;
             }
         }
-        blocked
+        triangle.is_hole_within(crossings.as_flattened())
+    }
+
+    /// Whether `partial` stands between the point, moved so, and `sample`.
+    #[inline(always)]
+    fn blocks_move(
+        &self,
+        partial: &mut Partial,
+        by_move: &mut Vec<Option<Class>>,
+        way: &Way<'_>,
+        index: usize,
+        (sample, light): (DVec2, DVec4),
+    ) -> bool {
+        let (place, point) = (partial.place, way.move_alone(index).point);
+        let triangle = &self.triangles[place as usize];
+        match self.known(partial, by_move, way, index) {
+            Class::Misses => false,
+            Class::Covers => true,
+            Class::Partly(alone) => match alone.decides(sample) {
+                Some(true) if alone.is_masked => !triangle.has_hole_towards(point, light),
+                Some(blocks) => blocks,
+                None => triangle.blocks(point, light, self.coordinate_m),
+            },
+        }
+    }
+
+    /// How much of the disc `partial` stands before for the point, moved so, alone.
+    #[inline(always)]
+    fn known<'a>(
+        &self,
+        partial: &mut Partial,
+        by_move: &'a mut Vec<Option<Class>>,
+        way: &Way<'_>,
+        index: usize,
+    ) -> &'a Class {
+        let first = *partial.moves.get_or_insert_with(|| {
+            by_move.extend((0..MOVES + CORNERS).map(|_| None));
+            (by_move.len() - MOVES - CORNERS) as u32
+        });
+        let place = partial.place;
+        by_move[first as usize + index]
+            .get_or_insert_with(|| self.classify(place, way, way.move_alone(index)))
     }
 }

@@ -33,12 +33,6 @@ impl fmt::Display for ErrorTable<'_> {
         let mut rows = vec![head.map(String::from)];
         let lights = self.0.iter().flat_map(|light| std::iter::once(light).chain(&light.channels));
         rows.extend(lights.map(|e| {
-            let verdict = match (e.passes(), e.band_too_wide) {
-                (true, _) => "ok",
-                (false, _) if e.is_converged => "approximates",
-                (false, true) => "band too wide",
-                (false, false) => "FAILS",
-            };
             [
                 e.name.clone(),
                 e.compared.to_string(),
@@ -57,7 +51,7 @@ impl fmt::Display for ErrorTable<'_> {
                 format!("{:.3}", e.max),
                 format!("{:.2}", e.boundary_distance_mean_px),
                 format!("{:.2}", e.boundary_distance_max_px),
-                verdict.to_string(),
+                e.verdict().to_string(),
             ]
         }));
         let widths: Vec<usize> = (0..head.len())

@@ -1,5 +1,6 @@
 //! Rendering a scene on the GPU and judging every light's factor against the reference.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use shadowgraph_engine::gpu::Timing;
@@ -26,14 +27,6 @@ pub enum EvaluateError {
     Compare(#[from] CompareError),
     #[error("no shadow node serves any light of the scene: there is nothing to compare")]
     NothingToCompare,
-    #[error(
-        "light '{light}' has a size: what its disc shows of a transparent layer, whose own plane may cut it, has no \
-         reference; layers are judged for points, spots and directions without a size"
-    )]
-    SizedLightOnLayers {
-        /// The light's name.
-        light: String,
-    },
 }
 
 /// A frame with its factors, the reference's, and how they differ.
@@ -218,6 +211,18 @@ pub(super) fn on_receivers(registry: &Registry, image: &ReferenceImage) -> Optio
     restricted
 }
 
+/// What `measured` is compared with: what is right for the surfaces that it shows, where it is compared.
+fn as_compared(
+    registry: &Registry,
+    mut reference: Arc<ReferenceImage>,
+    measured: &Measured,
+) -> Arc<ReferenceImage> {
+    if let Cow::Owned(image) = reference.as_seen(&measured.ids) {
+        reference = Arc::new(image);
+    }
+    on_receivers(registry, &reference).map_or(reference, Arc::new)
+}
+
 /// Renders `scene` with its own shadow nodes and compares.
 ///
 /// # Errors
@@ -252,8 +257,8 @@ pub fn evaluate_again(
         return Err(EvaluateError::NothingToCompare);
     }
     let reference = references.answer(&posed, &request, queries.clone(), progress);
-    let reference = on_receivers(&registry, &reference).map_or(reference, Arc::new);
     let measured = measured(&frame, request.antialias.factor_size_px(request.size_px))?;
+    let reference = as_compared(&registry, reference, &measured);
     let errors = compare(&measured, &reference)?;
     Ok(Evaluation { frame, measured, reference, errors, queries })
 }
@@ -276,7 +281,16 @@ pub fn evaluate_converged(
     };
     let (posed, registry) = renderer.posed(scene)?;
     let reference = references.answer(&posed, request, queries, progress);
-    let reference = on_receivers(&registry, &reference).map_or(reference, Arc::new);
-    let errors = compare(&evaluation.measured, &reference)?;
+    let reference = as_compared(&registry, reference, &evaluation.measured);
+    let mut errors = compare(&evaluation.measured, &reference)?;
+    for error in &mut errors {
+        let own = evaluation.errors.iter().find(|own| own.name == error.name);
+        if let Some(own) = own.filter(|own| own.same_samples.is_some()) {
+            error.by_samples = Some(own.verdict());
+            for (channel, own) in error.channels.iter_mut().zip(&own.channels) {
+                channel.by_samples = Some(own.verdict());
+            }
+        }
+    }
     Ok(Some(Converged { reference, errors }))
 }

@@ -17,15 +17,14 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3, DVec4, Vec3};
 use shadowgraph_engine::math::Aabb;
-use shadowgraph_engine::plan::Antialias;
-use shadowgraph_engine::scene::{Image, Material, Posed, PosedCamera, TextureRef};
+use shadowgraph_engine::scene::{Image, Material, Posed, TextureRef};
 
 use super::bvh::Bvh;
 use super::holes::{corner_uvs, texture_value, weights};
 use super::metrics::HALF_FLOAT_LOSS;
 use super::moved::{MOVES, Moved};
-use super::reference::{CasterSet, Hit, Probe, Reference, Tracer};
-use super::render::{Progress, Query, ReferenceImage, View, for_rows};
+use super::query::Query;
+use super::reference::{CasterSet, Probe, Tracer};
 use super::surface::Triangle;
 
 /// Factors that differ by no more are the same for the ambiguity band: half of what an exact factor may lose in the
@@ -35,10 +34,10 @@ pub(super) const SAME_FACTOR: f64 = HALF_FLOAT_LOSS / 2.0;
 /// The transparent surfaces of a scene.
 pub(super) struct Panes {
     /// In the order of the tree's leaves.
-    triangles: Vec<Triangle>,
+    pub(super) triangles: Vec<Triangle>,
     /// What each of `triangles` wears.
     colors: Vec<PaneColor>,
-    bvh: Bvh,
+    pub(super) bvh: Bvh,
     /// Around all of them.
     pub(super) bounds: Aabb,
 }
@@ -111,10 +110,8 @@ impl Panes {
         tints: &mut [DVec3; MOVES],
     ) {
         let (triangle, color) = (&self.triangles[place], &self.colors[place]);
-        let hit = Hit { instance: triangle.instance, triangle: triangle.triangle };
-        let casts = triangle.casts && casters.0.get(hit.instance as usize).copied().unwrap_or_default();
         let facing = triangle.facing(probe.light);
-        if !casts || facing == 0 || probe.receiver == Some(hit) {
+        if !triangle.casts || !casters.contains(triangle.instance) || facing == 0 {
             return;
         }
         let mut in_own_plane = None;
@@ -123,9 +120,8 @@ impl Panes {
             let between = wanted & (1 << index) != 0
                 && is_crossed_once(&triangle.corners, *point, to_light)
                 && triangle.side_of(*point, coordinate_m) == -facing;
-            let ignored = between
-                && index >= probe.off_plane_from
-                && *in_own_plane.get_or_insert_with(|| triangle.side_of(probe.points[0], coordinate_m) == 0);
+            let ignored =
+                between && *in_own_plane.get_or_insert_with(|| probe.is_own_plane(triangle, coordinate_m));
             if between && !ignored {
                 let crossing =
                     triangle.plane_parameter(*point, to_light).map_or(*point, |t| *point + to_light * t);
@@ -210,87 +206,28 @@ impl<'a> Tracer<'a> {
 
 impl Query {
     /// What the transparent casters let pass to a point on `receiver`; all where it receives nothing.
-    pub(super) fn tint_at(&self, tracer: &mut Tracer<'_>, point: DVec3, receiver: Hit) -> Vec3 {
-        let Some(casters) = &self.transparent else { return Vec3::ONE };
-        if !tracer.reference.surface(receiver).is_some_and(|surface| surface.receives) {
-            return Vec3::ONE;
-        }
+    pub(super) fn tint_at(&self, tracer: &mut Tracer<'_>, point: DVec3, receiver: &Triangle) -> Vec3 {
+        let Some(casters) = self.transparent.as_ref().filter(|_| receiver.receives) else { return Vec3::ONE };
         let light = tracer.reference.lights[self.light].position;
-        let receiver = Some(receiver);
-        let probe = Probe { points: &[point], off_plane_from: 1, receiver, light, casters: &self.casters };
+        let probe = Probe { points: &[point], receiver: Some(receiver), light, casters: &self.casters };
         tracer.tints(&probe, casters)[0].as_vec3()
     }
 
     /// The same at a pixel, and whether it is ambiguous.
-    fn tint(&self, tracer: &mut Tracer<'_>, moved: &Moved, casters: &CasterSet) -> (DVec3, bool) {
-        let light = &tracer.reference.lights[self.light];
-        let reached: Vec<usize> = (0..MOVES).filter(|i| light.reaches(moved.points[*i])).collect();
-        if !moved.receives || !reached.contains(&0) {
-            return (DVec3::ONE, false);
-        }
-        let probe = Probe {
-            points: &moved.points,
-            off_plane_from: 5,
-            receiver: Some(moved.hit),
-            light: light.position,
-            casters: &self.casters,
-        };
-        let tints = tracer.tints(&probe, casters);
-        let changes = |i: &usize| (tints[*i] - tints[0]).abs().max_element() > SAME_FACTOR;
-        (tints[0], reached.iter().any(changes))
-    }
-}
-
-impl Reference {
-    /// The set of the instances with these indices, if any of them is transparent.
-    pub(super) fn transparent_set(&self, instances: &[usize]) -> Option<CasterSet> {
-        let set = self.caster_set(instances);
-        let panes = self.panes.as_ref()?;
-        let casts = |triangle: &Triangle| {
-            triangle.casts && set.0.get(triangle.instance as usize).copied().unwrap_or_default()
-        };
-        panes.triangles.iter().any(casts).then_some(set)
-    }
-
-    /// Multiplies what transparent surfaces let pass onto the factors of `image`, which become coloured.
     pub(super) fn tint(
         &self,
-        camera: &PosedCamera,
-        size_px: [u32; 2],
-        antialias: Antialias,
-        queries: &[Query],
-        image: &mut ReferenceImage,
-        progress: &Progress<'_>,
-    ) {
-        let view = View::new(camera, antialias.drawn_size_px(size_px));
-        let width = image.size_px[0] as usize;
-        for (query, light) in queries.iter().zip(&mut image.lights) {
-            let Some(casters) = &query.transparent else { continue };
-            let rows = for_rows(image.size_px, progress, |y| {
-                let (mut first, mut tracer) = (self.tracer(), self.tracer());
-                let tint = |x: u32| {
-                    let pixel = y as usize * width + x as usize;
-                    let dark = light.factor[pixel] == 0.0 || light.factor[pixel].is_nan();
-                    (!dark).then_some(())?;
-                    let place = antialias.sample_place_px([x, y]);
-                    let (hit, t) = view.first_hit(&mut first, place)?;
-                    let moved = Moved::new(self, &view, place, hit, t)?;
-                    Some(query.tint(&mut tracer, &moved, casters))
-                };
-                (0..image.size_px[0]).map(tint).collect::<Vec<_>>()
-            });
-            let tints = rows.into_iter().flatten().map(|tint| tint.unwrap_or((DVec3::ONE, false)));
-            let mut colored = Vec::with_capacity(light.factor.len() * 3);
-            for ((factor, ambiguous), (tint, changes)) in
-                light.factor.iter().zip(&mut light.ambiguous).zip(tints)
-            {
-                colored.extend((tint * f64::from(*factor)).as_vec3().to_array());
-                *ambiguous |= changes;
-            }
-            light.factor = colored;
-            // What samples leave open is one channel's; beside glass the factor itself is judged.
-            light.soft = None;
+        tracer: &mut Tracer<'_>,
+        moved: &Moved<'_>,
+        casters: &CasterSet,
+    ) -> (DVec3, bool) {
+        let light = &tracer.reference.lights[self.light];
+        let reached = moved.points.map(|point| light.reaches(point));
+        if !moved.surface.receives || !reached[0] {
+            return (DVec3::ONE, false);
         }
+        let tints = tracer.tints(&self.probe(tracer, moved), casters);
+        let changes = |tint: &DVec3| (*tint - tints[0]).abs().max_element() > SAME_FACTOR;
+        (tints[0], tints.iter().zip(reached).any(|(tint, reached)| reached && changes(tint)))
     }
 }
 

@@ -9,6 +9,8 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use shadowgraph_engine::scene::{Image, Instance, Posed, TexCoord, TextureRef, Wrap};
 
+use super::cover::Cover;
+
 /// The mask of one triangle.
 #[derive(Clone, Debug)]
 pub(super) struct Mask {
@@ -20,6 +22,8 @@ pub(super) struct Mask {
     texture: Option<(Arc<Image>, TextureRef)>,
     /// Transformed texture coordinates at the corners.
     corner_uvs: [DVec2; 3],
+    /// Where the texture is all alike.
+    cover: Option<Arc<Cover>>,
 }
 
 impl Mask {
@@ -36,7 +40,33 @@ impl Mask {
             corner_alphas: vertices.map(|vertex| f64::from(instance.mesh.color8(vertex)[3]) / 255.0),
             texture: image,
             corner_uvs: corner_uvs(instance, worn, triangle),
+            cover: None,
         }))
+    }
+
+    /// The texture, the least and the largest factor on its alpha, and the cutoff.
+    pub(super) fn texture_alphas(&self) -> Option<(&Arc<Image>, [f64; 2], f32)> {
+        let (image, _) = self.texture.as_ref()?;
+        let [a, b, c] = self.corner_alphas;
+        let factors = [a.min(b).min(c), a.max(b).max(c)].map(|corner| corner * self.alpha);
+        Some((image, factors, self.cutoff))
+    }
+
+    pub(super) fn set_cover(&mut self, cover: Arc<Cover>) {
+        self.cover = Some(cover);
+    }
+
+    /// Whether all within the hull of `points` of the triangle with these corners is hole (true) or solid; `None` where
+    /// that is not sure.
+    pub(super) fn is_hole_within(&self, corners: &[DVec3; 3], points: &[DVec3]) -> Option<bool> {
+        let ((_, texture), cover) = (self.texture.as_ref()?, self.cover.as_ref()?);
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for point in points {
+            let weights = weights(corners, *point).to_array();
+            let uv: DVec2 = (0..3).map(|i| self.corner_uvs[i] * weights[i]).sum();
+            (low, high) = (low.min(uv), high.max(uv));
+        }
+        cover.over(texture, low, high)
     }
 
     /// Whether there is a hole at `point` of the triangle with these corners.

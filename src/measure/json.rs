@@ -36,7 +36,10 @@ pub fn error_json(error: &LightError) -> Value {
         "outside_bounds": error.outside_bounds,
         "boundary_distance_mean_px": finite(error.boundary_distance_mean_px),
         "boundary_distance_max_px": finite(error.boundary_distance_max_px),
+        "band_px": error.band_px,
+        "band_limit_px": error.band_limit_px,
         "exact": error.passes(),
+        "verdict": error.verdict().to_string(),
     });
     if error.penumbra_pixels > 0 {
         entry["penumbra_pixels"] = json!(error.penumbra_pixels);

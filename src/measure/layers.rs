@@ -1,23 +1,29 @@
 //! References on transparent surfaces: the factor on the n-th of them along each pixel's ray.
 //!
-//! A layer is judged as the opaque surface is, but for one thing: no side of it is dark by itself, since light passes it.
-//! Its own plane, and what lies in it, stands between nothing.
+//! A layer is judged as the opaque surface is ([`super::query`]), but for one thing: no side of it is dark by itself,
+//! since light passes it. Its own plane, and what lies in it, stands between nothing; of a light with a size that is said
+//! of each sample.
+//!
+//! What lies in the plane of the opaque surface is not before it. By rounding it may be seen before it all the same, and is
+//! then compared as what it is ([`ReferenceImage::ties`]).
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::DVec3;
 use shadowgraph_engine::gpu::Timing;
 use shadowgraph_engine::manager::{FrameRequest, RenderOptions, Renderer};
 use shadowgraph_engine::plan::Antialias;
 use shadowgraph_engine::scene::{PosedCamera, Scene};
 use shadowgraph_engine::shadow::{Layer, Layers, Registry};
 
+use super::answers::Pixels;
 use super::evaluate::{layer_measured, queries};
-use super::glass::SAME_FACTOR;
-use super::moved::{MOVES, Moved};
-use super::reference::{Hit, Probe, Reference, Tracer};
-use super::render::{LightReference, Query, View, for_rows};
+use super::moved::Moved;
+use super::query::Asker;
+use super::reference::{Reference, Tracer};
+use super::render::for_rows;
+use super::surface::Triangle;
+use super::view::View;
 use super::{EvaluateError, LightError, LightQuery, Measured, Progress, ReferenceImage, compare};
 
 /// One layer of transparent surfaces with its factors, the reference's, and how they differ.
@@ -37,8 +43,7 @@ pub struct LayerEvaluation {
 /// lights whose techniques ask for them. Empty where there is none.
 ///
 /// # Errors
-/// [`EvaluateError`]; among them [`EvaluateError::SizedLightOnLayers`] for a light that some technique takes to have a
-/// size: what a layer shows of a disc that its own plane cuts is not defined here.
+/// [`EvaluateError`].
 pub fn evaluate_layers(
     renderer: &mut Renderer,
     scene: &Scene,
@@ -60,7 +65,7 @@ pub fn evaluate_layers(
         if layers.is_empty() {
             continue;
         }
-        let queries = queries_on_layer(&reference, &registry, layers.start)?;
+        let queries = queries_on_layer(&registry, layers.start);
         if queries.is_empty() {
             continue;
         }
@@ -70,6 +75,7 @@ pub fn evaluate_layers(
             let Some(drawn) = frame.layers.get((layer - request.layer_factors.start) as usize) else { break };
             let mut measured = layer_measured(drawn, size_px)?;
             measured.lights.retain(|(name, _)| image.lights.iter().any(|light| light.name == *name));
+            let image = image.as_seen(&measured.ids).into_owned();
             let errors = compare(&measured, &image)?;
             evaluations.push(LayerEvaluation { layer, measured, reference: Arc::new(image), errors });
         }
@@ -78,25 +84,13 @@ pub fn evaluate_layers(
 }
 
 /// What the reference is asked about on a layer: the lights whose shadows fall on it.
-fn queries_on_layer(
-    reference: &Reference,
-    registry: &Registry,
-    layer: u32,
-) -> Result<Vec<LightQuery>, EvaluateError> {
+fn queries_on_layer(registry: &Registry, layer: u32) -> Vec<LightQuery> {
     let falls = |light: usize| match registry.receiver_layers(light) {
         Layers::OpaqueOnly => false,
         Layers::First => layer == 0,
         Layers::All => true,
     };
-    let on_layer = queries(registry).into_iter().filter(|query| falls(query.light));
-    let judged = |query: LightQuery| {
-        let Some(light) = reference.lights.get(query.light) else { return Ok(query) };
-        if query.sized.iter().any(|part| part.size.is_wide(light.position)) {
-            return Err(EvaluateError::SizedLightOnLayers { light: light.name.clone() });
-        }
-        Ok(query)
-    };
-    on_layer.map(judged).collect()
+    queries(registry).into_iter().filter(|query| falls(query.light)).collect()
 }
 
 impl Reference {
@@ -145,52 +139,81 @@ impl Reference {
         let size_px = antialias.factor_size_px(size_px);
         let queries = self.resolve(lights);
         let rows = for_rows(size_px, progress, |y| {
+            let mut askers: Vec<Asker<'_>> = queries.iter().map(|query| query.asker(self)).collect();
             let mut tracer = self.tracer();
-            let pixel = |x: u32| {
+            let mut layers: Vec<Pixels> = (0..chosen.count).map(|_| Pixels::new(self, &queries)).collect();
+            for x in 0..size_px[0] {
                 let place = antialias.sample_place_px([x, y]);
-                let (from, direction) = view.ray(place);
-                let projection = &camera.projection;
-                let t_end = view.first_hit(&mut tracer, place).map_or(projection.far_m(), |(_, t)| t);
-                let seen = chosen.of(tracer.layers(from, direction, projection.near_m(), t_end));
-                let judged = seen.map(|(surface, t)| {
-                    let moved = Moved::on(surface, &view, place, t);
-                    let judged = |query: &Query| {
-                        let light = self.lights[query.light].position;
-                        query.judge_layer(&mut tracer, &moved, surface.facing(light) != 0)
-                    };
-                    (moved.hit, queries.iter().map(judged).collect())
-                });
-                judged.collect()
-            };
-            (0..size_px[0]).map(pixel).collect::<Vec<Vec<LayerPixel>>>()
-        })
-        .concat();
-        (0..chosen.count).map(|layer| self.layer_image(size_px, &queries, &rows, layer)).collect()
+                self.push_pixel((&view, place), &mut tracer, chosen, &mut layers, &mut askers);
+            }
+            layers
+        });
+        let mut pictures: Vec<Vec<Pixels>> = (0..chosen.count).map(|_| Vec::new()).collect();
+        for row in rows {
+            pictures.iter_mut().zip(row).for_each(|(rows, row)| rows.push(row));
+        }
+        let picture = |rows| Pixels::new(self, &queries).picture(rows, &queries, size_px);
+        pictures.into_iter().map(picture).collect()
     }
 
-    /// One layer of what was judged.
-    fn layer_image(
-        &self,
-        size_px: [u32; 2],
-        queries: &[Query],
-        pixels: &[Vec<LayerPixel>],
-        layer: usize,
-    ) -> ReferenceImage {
-        let lights = queries.iter().enumerate().map(|(index, query)| {
-            let judged = || pixels.iter().map(|pixel| pixel.get(layer).map(|(_, judged)| &judged[index]));
-            let channels = if query.transparent.is_some() { 3 } else { 1 };
-            let factor = |judged: Option<&OnLayer>| judged.map_or([f32::NAN; 3], |judged| judged.factor);
-            LightReference {
-                name: self.lights[query.light].name.clone(),
-                factor: judged().flat_map(|judged| factor(judged).into_iter().take(channels)).collect(),
-                compared: judged().map(|judged| judged.is_some_and(|judged| judged.compared)).collect(),
-                ambiguous: judged().map(|judged| judged.is_some_and(|judged| judged.ambiguous)).collect(),
-                soft: None,
+    /// Adds what is seen at a place of the target to each of the `layers`.
+    fn push_pixel<'a>(
+        &'a self,
+        (view, place): (&View<'_>, [f64; 2]),
+        tracer: &mut Tracer<'a>,
+        chosen: &Chosen,
+        layers: &mut [Pixels],
+        askers: &mut [Asker<'_>],
+    ) {
+        let Seen { layers: seen, in_opaque_plane } = self.seen(view, place, tracer);
+        let before = seen.len();
+        let seen: Vec<_> = chosen.of(seen).collect();
+        for (number, pixels) in layers.iter_mut().enumerate() {
+            let Some((surface, t)) = seen.get(number) else {
+                pixels.push(None, askers);
+                // What is not before the opaque surface may only be seen behind all that is.
+                let extra = (chosen.skipped + number).checked_sub(before);
+                if extra.is_some_and(|extra| extra < in_opaque_plane.len()) && !chosen.from_behind {
+                    for (other, t) in &in_opaque_plane {
+                        pixels.push_tie(self, None, &Moved::on(other, view, place, *t), askers);
+                    }
+                }
+                continue;
+            };
+            let moved = Moved::on(surface, view, place, *t);
+            pixels.push(Some(&moved), askers);
+            for other in tracer.panes_in_plane_of(&moved, view, place) {
+                pixels.push_tie(self, Some(&moved), &Moved::on(other, view, place, *t), askers);
             }
-        });
-        let hits = pixels.iter().map(|pixel| pixel.get(layer).map(|(hit, _)| *hit)).collect();
-        ReferenceImage { size_px, hits, lights: lights.collect() }
+        }
     }
+
+    /// All transparent surfaces at a place of the target, the nearest first.
+    fn seen<'a>(&'a self, view: &View<'_>, place: [f64; 2], tracer: &mut Tracer<'a>) -> Seen<'a> {
+        let (from, direction) = view.ray(place);
+        let [near_m, far_m] = view.range_m();
+        let opaque = view.first_hit(tracer, place);
+        let t_end = opaque.map_or(far_m, |(_, t)| t);
+        let opaque = opaque.and_then(|(hit, _)| self.surface(hit));
+        // Beyond what rounding makes of a plane's distance nothing can lie in it.
+        let doubt = t_end * 1e-6;
+        let all =
+            tracer.layers(from, direction, near_m, if opaque.is_some() { t_end + doubt } else { t_end });
+        let is_in_plane = |(surface, t): &(&Triangle, f64)| {
+            (*t - t_end).abs() <= doubt
+                && opaque.is_some_and(|opaque| surface.shares_plane(opaque, self.coordinate_m))
+        };
+        let (in_opaque_plane, mut layers): (Vec<_>, Vec<_>) = all.into_iter().partition(is_in_plane);
+        layers.retain(|(_, t)| *t < t_end);
+        Seen { layers, in_opaque_plane }
+    }
+}
+
+/// The transparent surfaces at a pixel, each with its distance.
+struct Seen<'a> {
+    layers: Vec<(&'a Triangle, f64)>,
+    /// Those in the plane of the opaque surface.
+    in_opaque_plane: Vec<(&'a Triangle, f64)>,
 }
 
 /// Which of the surfaces at a pixel.
@@ -209,47 +232,5 @@ impl Chosen {
             seen.pop();
         }
         seen.into_iter().skip(self.skipped).take(self.count)
-    }
-}
-
-/// A surface, and what each query says about it.
-type LayerPixel = (Hit, Vec<OnLayer>);
-
-/// What a query says about a point on a layer.
-#[derive(Clone, Copy)]
-struct OnLayer {
-    /// Red, green and blue.
-    factor: [f32; 3],
-    compared: bool,
-    ambiguous: bool,
-}
-
-impl Query {
-    /// The factor of a point on a layer, which may face the light or lie in its direction (`faces` false).
-    fn judge_layer(&self, tracer: &mut Tracer<'_>, moved: &Moved, faces: bool) -> OnLayer {
-        let light = &tracer.reference.lights[self.light];
-        let reached: Vec<usize> = (0..MOVES).filter(|i| light.reaches(moved.points[*i])).collect();
-        let compared = reached.contains(&0) && faces;
-        if !moved.receives || !reached.contains(&0) {
-            return OnLayer { factor: [1.0; 3], compared, ambiguous: false };
-        }
-        let probe = Probe {
-            points: &moved.points,
-            off_plane_from: 5,
-            receiver: Some(moved.hit),
-            light: light.position,
-            casters: &self.casters,
-        };
-        let dark = tracer.blocked(&probe);
-        let mut factors = [DVec3::ONE; MOVES];
-        if let Some(casters) = &self.transparent {
-            factors = tracer.tints(&probe, casters);
-        }
-        for (index, factor) in factors.iter_mut().enumerate() {
-            *factor *= f64::from(1 - (dark >> index & 1));
-        }
-        let changes = |i: &usize| (factors[*i] - factors[0]).abs().max_element() > SAME_FACTOR;
-        let ambiguous = moved.lost || reached.iter().any(changes);
-        OnLayer { factor: factors[0].as_vec3().to_array(), compared, ambiguous }
     }
 }

@@ -6,15 +6,18 @@
 //! Nothing here shares a line with the techniques it judges, except the orientation signs of
 //! [`shadowgraph_engine::math`].
 
+mod answers;
 mod area;
 #[cfg(test)]
 mod area_tests;
 mod bvh;
+mod cover;
 mod coverage;
 mod disc;
 mod distance;
 mod error_table;
 mod evaluate;
+mod forms;
 mod glass;
 mod holes;
 pub mod json;
@@ -22,12 +25,17 @@ mod layers;
 mod metrics;
 mod moved;
 pub mod pictures;
+mod query;
 mod reference;
 mod render;
 pub mod report;
+mod samples;
 mod surface;
 mod technique;
+mod ties;
 pub mod timing;
+mod verdict;
+mod view;
 
 pub use area::{CONVERGED_SAMPLES, Samples, SizedCasters, SoftBounds};
 pub use coverage::convex_visible_share;
@@ -43,7 +51,9 @@ pub use metrics::{
 };
 pub use reference::{CasterSet, Hit, Reference, Tracer};
 pub use render::{
-    DEPTH_ULPS, LightQuery, LightReference, PIXEL_MOVE, Progress, ReferenceImage, SupersampledImage,
+    CORNER_SNAP, DEPTH_ULPS, LightQuery, LightReference, PIXEL_MOVE, PixelReference, Progress,
+    ReferenceImage, SupersampledImage,
 };
 pub use shadowgraph_engine::shadow::{LightSize, disc_samples, light_samples};
 pub use technique::ReferenceShadow;
+pub use verdict::Verdict;

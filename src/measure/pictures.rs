@@ -124,9 +124,9 @@ pub fn error_map_png(
     let pixels = reference.hits.len();
     let color = |pixel: usize| {
         // Of a coloured factor the channel that differs most.
-        let channels = at(factor, pixels, pixel).zip(at(&exact.factor, pixels, pixel));
-        let differences = channels.map(|(value, factor)| {
-            let [least, largest] = exact.bounds(pixel, factor);
+        let channels = at(factor, pixels, pixel).zip(at(&exact.factor, pixels, pixel)).enumerate();
+        let differences = channels.map(|(channel, (value, factor))| {
+            let [least, largest] = exact.bounds(pixel, channel, factor);
             let outside = if value > largest { value - largest } else { (value - least).min(0.0) };
             (value - factor, outside, factor)
         });

@@ -14,6 +14,7 @@ use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::scene::{Posed, PosedLight};
 
 use super::bvh::{Bvh, Open};
+use super::cover::share_covers;
 use super::glass::Panes;
 use super::surface::Triangle;
 
@@ -55,7 +56,8 @@ pub struct Reference {
 impl Reference {
     /// Takes over what `posed` shows at this moment.
     pub fn new(posed: &Posed) -> Self {
-        let drawn = Triangle::of_scene(posed);
+        let mut drawn = Triangle::of_scene(posed);
+        share_covers(&mut drawn);
         let boxes: Vec<Aabb> = drawn.iter().map(Triangle::bounds).collect();
         let bounds = boxes.iter().fold(Aabb::EMPTY, |sum, b| sum.union(b));
         let (bvh, order) = Bvh::new(&boxes, &bounds);
@@ -112,15 +114,19 @@ pub struct Tracer<'a> {
 pub(super) struct Probe<'a> {
     /// The points; the first is the one the others are moved copies of.
     pub(super) points: &'a [DVec3],
-    /// From this index on, the points were moved off the receiving triangle's plane. Whatever holds the first point
-    /// in its plane is ignored for them too: it is the receiver's own surface.
-    pub(super) off_plane_from: usize,
-    /// The triangle they lie on, which is never in the way.
-    pub(super) receiver: Option<Hit>,
+    /// The triangle they lie on: neither it nor what lies in its plane is in the way, wherever the points were moved.
+    pub(super) receiver: Option<&'a Triangle>,
     /// The light: (position, 1) or (direction towards it, 0).
     pub(super) light: DVec4,
     /// What may be in the way.
     pub(super) casters: &'a CasterSet,
+}
+
+impl Probe<'_> {
+    /// Whether `triangle` is the receiver, or lies in its plane.
+    pub(super) fn is_own_plane(&self, triangle: &Triangle, coordinate_m: f64) -> bool {
+        self.receiver.is_some_and(|receiver| receiver.is(triangle) || triangle.holds(receiver, coordinate_m))
+    }
 }
 
 impl Tracer<'_> {
@@ -156,7 +162,8 @@ impl Tracer<'_> {
         light: DVec4,
         casters: &CasterSet,
     ) -> bool {
-        self.blocked(&Probe { points: &[point], off_plane_from: 1, receiver, light, casters }) != 0
+        let receiver = receiver.and_then(|hit| self.reference.surface(hit));
+        self.blocked(&Probe { points: &[point], receiver, light, casters }) != 0
     }
 
     /// The factor of the light at `light` for a `point` on the triangle `receiver`, seen from `eye`; both are
@@ -235,26 +242,16 @@ impl Reference {
     /// Which of the `wanted` points of `probe` have `triangle` between them and the light.
     #[inline(always)]
     fn blocked_by(&self, triangle: &Triangle, probe: &Probe<'_>, wanted: u8) -> u8 {
-        let hit = Hit { instance: triangle.instance, triangle: triangle.triangle };
-        let may_block =
-            triangle.casts && probe.receiver != Some(hit) && probe.casters.contains(triangle.instance);
-        if !may_block {
+        if !triangle.casts || !probe.casters.contains(triangle.instance) {
             return 0;
         }
         let mut blocked = 0;
-        let mut in_own_plane = None;
         for (index, point) in probe.points.iter().enumerate() {
-            if wanted & (1 << index) == 0 || !triangle.blocks(*point, probe.light, self.coordinate_m) {
-                continue;
-            }
-            let ignored = index >= probe.off_plane_from
-                && *in_own_plane
-                    .get_or_insert_with(|| triangle.side_of(probe.points[0], self.coordinate_m) == 0);
-            if !ignored {
+            if wanted & (1 << index) != 0 && triangle.blocks(*point, probe.light, self.coordinate_m) {
                 blocked |= 1 << index;
             }
         }
-        blocked
+        if blocked != 0 && probe.is_own_plane(triangle, self.coordinate_m) { 0 } else { blocked }
     }
 }
 
@@ -348,13 +345,14 @@ mod tests {
                 let moves =
                     [DVec3::ZERO, DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
                 let points = moves.map(|m| start + m * (spread * size_m));
-                let (off_plane_from, receiver) = (points.len(), Some(Hit { instance: 0, triangle: 0 }));
-                let probe = Probe { points: &points, off_plane_from, receiver, light, casters: &casters };
+                let receiver = Hit { instance: 0, triangle: 0 };
+                let surface = reference.surface(receiver);
+                let probe = Probe { points: &points, receiver: surface, light, casters: &casters };
                 let all = reference.triangles.iter();
                 let expected = all.fold(0, |bits, t| bits | reference.blocked_by(t, &probe, 0x7f));
                 prop_assert_eq!(tracer.blocked(&probe), expected);
                 for (index, point) in points.iter().enumerate() {
-                    let alone = tracer.is_blocked(*point, receiver, light, &casters);
+                    let alone = tracer.is_blocked(*point, Some(receiver), light, &casters);
                     prop_assert_eq!(alone, expected & (1 << index) != 0);
                 }
             }

@@ -11,6 +11,7 @@ use shadowgraph_engine::math::{Aabb, orient_sign};
 use shadowgraph_engine::scene::{Instance, Material, Posed};
 
 use super::holes::Mask;
+use super::reference::Hit;
 
 /// The error of a world position, relative to the largest coordinate around: an f32 position under an f64 transform
 /// loses about 4·2⁻⁵³ in each coordinate, and a determinant of differences feels it at most 2√3 times in each factor.
@@ -37,8 +38,10 @@ pub(super) struct Triangle {
     pub(super) casts: bool,
     /// Whether shadows fall on it.
     pub(super) receives: bool,
+    /// Whether it is transparent: then no side of it is dark by itself.
+    pub(super) lets_light_pass: bool,
     /// Where it has holes; `None` when it is whole.
-    mask: Option<Box<Mask>>,
+    pub(super) mask: Option<Box<Mask>>,
 }
 
 impl Triangle {
@@ -57,6 +60,16 @@ impl Triangle {
             .collect()
     }
 
+    /// What a ray that meets it hits.
+    pub(super) fn as_hit(&self) -> Hit {
+        Hit { instance: self.instance, triangle: self.triangle }
+    }
+
+    /// Whether `other` is this very triangle.
+    pub(super) fn is(&self, other: &Self) -> bool {
+        self.as_hit() == other.as_hit()
+    }
+
     /// The box around it.
     pub(super) fn bounds(&self) -> Aabb {
         Aabb::from_points(self.corners)
@@ -70,9 +83,15 @@ impl Triangle {
     /// Whether the line through `from` along `direction` passes through it, its edges included.
     #[inline(always)]
     fn is_crossed(&self, from: DVec3, direction: DVec3) -> bool {
-        let [u, v, w] = self.corners.map(|corner| corner - from);
-        let (e0, e1, e2) = (direction.dot(u.cross(v)), direction.dot(v.cross(w)), direction.dot(w.cross(u)));
+        let [e0, e1, e2] = self.edge_functions(from, direction);
         !(e0.min(e1).min(e2) < 0.0 && e0.max(e1).max(e2) > 0.0)
+    }
+
+    /// On which side of each of its edges the line passes, in the order of the corners that edges begin at.
+    #[inline(always)]
+    pub(super) fn edge_functions(&self, from: DVec3, direction: DVec3) -> [f64; 3] {
+        let [u, v, w] = self.corners.map(|corner| corner - from);
+        [direction.dot(u.cross(v)), direction.dot(v.cross(w)), direction.dot(w.cross(u))]
     }
 
     /// The parameter at which the ray hits a side of it that is drawn.
@@ -130,6 +149,20 @@ impl Triangle {
         if ab.cross(ac).dot(d).abs() <= self.side_tolerance(point, coordinate_m) { 0 } else { sign }
     }
 
+    /// Whether `other` lies in this triangle's plane, as far as the rounding of positions can tell.
+    ///
+    /// A triangle that holds the receiver casts nothing on it, wherever a move of the ambiguity band takes the
+    /// receiver's point: it is the receiver's own surface. That its plane holds the *point* is not enough, since that is so at
+    /// the foot of a wall too, and there a move crosses the shadow's edge.
+    pub(super) fn holds(&self, other: &Self, coordinate_m: f64) -> bool {
+        other.corners.iter().all(|corner| self.side_of(*corner, coordinate_m) == 0)
+    }
+
+    /// Whether both lie in one plane.
+    pub(super) fn shares_plane(&self, other: &Self, coordinate_m: f64) -> bool {
+        self.holds(other, coordinate_m) && other.holds(self, coordinate_m)
+    }
+
     /// The determinant of two edges and the way to `point` up to which its side is open: see [`Triangle::side_of`].
     pub(super) fn side_tolerance(&self, point: DVec3, coordinate_m: f64) -> f64 {
         let [a, b, c] = self.corners;
@@ -158,10 +191,20 @@ impl Triangle {
             return false;
         }
         let facing = self.facing(light);
-        facing != 0 && self.side_of(point, coordinate_m) == -facing && {
-            let crossing = || self.plane_parameter(point, direction).map_or(point, |t| point + direction * t);
-            self.mask.is_none() || !self.has_hole_at(crossing())
-        }
+        facing != 0
+            && self.side_of(point, coordinate_m) == -facing
+            && !(self.is_masked() && self.has_hole_towards(point, light))
+    }
+
+    /// Whether all of it within the hull of `points`, which lie on it, is hole (true) or solid; `None` where it may be both.
+    pub(super) fn is_hole_within(&self, points: &[DVec3]) -> Option<bool> {
+        self.mask.as_ref().map_or(Some(false), |mask| mask.is_hole_within(&self.corners, points))
+    }
+
+    /// Whether there is a hole where the way from `point` to `light` crosses it, which it does.
+    pub(super) fn has_hole_towards(&self, point: DVec3, light: DVec4) -> bool {
+        let direction = light.truncate() - point * light.w;
+        self.has_hole_at(self.plane_parameter(point, direction).map_or(point, |t| point + direction * t))
     }
 }
 
@@ -185,6 +228,7 @@ fn of_instance<'a>(
             },
             casts: !material.unlit,
             receives: instance.shadow.receives && !material.unlit,
+            lets_light_pass: !material.is_opaque(),
             mask: Mask::of(posed, instance, triangle),
         })
     })
@@ -198,7 +242,8 @@ mod tests {
 
     fn triangle(corners: [DVec3; 3]) -> Triangle {
         let (instance, triangle, front) = (0, 0, 0);
-        Triangle { corners, instance, triangle, front, casts: true, receives: true, mask: None }
+        let (casts, receives, lets_light_pass) = (true, true, false);
+        Triangle { corners, instance, triangle, front, casts, receives, lets_light_pass, mask: None }
     }
 
     fn point() -> impl Strategy<Value = DVec3> {

@@ -20,7 +20,7 @@ use super::{LightQuery, Reference, Samples, SizedCasters};
 ///
 /// A light is as large as `radius` (metres, point and spot lights) and `angle` (half-angle in degrees, directional
 /// lights) say; then its factor is the visible share of `samples` of [`light_samples`](super::light_samples).
-/// `selfShadow` says on which transparent surfaces shadows of a light without a size fall.
+/// `selfShadow` says on which transparent surfaces shadows fall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReferenceShadow {
     radius_m: f64,
@@ -60,12 +60,6 @@ impl ReferenceShadow {
             };
             if matches!(params.get("samples"), Some(ParamValue::Number(count)) if count.fract() != 0.0) {
                 return Err(options.conflict("samples", &format!("a whole number from 1 to {most}")));
-            }
-            let sized = technique.radius_m > 0.0 || technique.angle_deg > 0.0;
-            if sized && technique.self_shadow != Layers::OpaqueOnly {
-                let accepted =
-                    "none, where radius or angle is not 0: layers are judged for lights without a size";
-                return Err(options.conflict("selfShadow", accepted));
             }
             options.finish()?;
             Ok(Arc::new(technique))

@@ -15,7 +15,9 @@ use shadowgraph_engine::manager::FrameRequest;
 use shadowgraph_engine::scene::Posed;
 
 use super::super::reference::Hit;
-use super::super::{LightQuery, LightReference, Progress, Reference, ReferenceImage, SoftBounds};
+use super::super::{
+    LightQuery, LightReference, PixelReference, Progress, Reference, ReferenceImage, SoftBounds,
+};
 
 /// The reference with what it took.
 #[derive(Debug, PartialEq)]
@@ -99,18 +101,25 @@ fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 }
 
 /// The texts that say what a reference is.
-const SOURCES: [&str; 12] = [
+const SOURCES: [&str; 19] = [
     include_str!("../../../engine/src/shadow/area_light.rs"),
     include_str!("../../../engine/src/shadow/light_samples.rs"),
+    include_str!("../answers.rs"),
     include_str!("../area.rs"),
     include_str!("../bvh.rs"),
+    include_str!("../cover.rs"),
     include_str!("../disc.rs"),
+    include_str!("../forms.rs"),
     include_str!("../glass.rs"),
     include_str!("../holes.rs"),
     include_str!("../moved.rs"),
+    include_str!("../query.rs"),
     include_str!("../reference.rs"),
     include_str!("../render.rs"),
+    include_str!("../samples.rs"),
     include_str!("../surface.rs"),
+    include_str!("../ties.rs"),
+    include_str!("../view.rs"),
     include_str!("references.rs"),
 ];
 
@@ -143,7 +152,7 @@ fn content_key(posed: &Posed, request: &FrameRequest, queries: &[LightQuery]) ->
     hasher.finish()
 }
 
-const MAGIC: &[u8; 16] = b"SHADOWGRAPH-REF\n";
+const MAGIC: &[u8; 16] = b"SHADOWGRAPH-RF2\n";
 
 fn checksum(bytes: &[u8]) -> [u8; 8] {
     let mut hasher = DefaultHasher::new();
@@ -162,6 +171,10 @@ fn encode(traced: &Traced, key: u64) -> Vec<u8> {
         bytes.extend(instance.to_le_bytes());
         bytes.extend(triangle.to_le_bytes());
     }
+    bytes.extend((image.ties.len() as u32).to_le_bytes());
+    for (pixel, hit) in &image.ties {
+        [*pixel, hit.instance, hit.triangle].iter().for_each(|number| bytes.extend(number.to_le_bytes()));
+    }
     bytes.extend((image.lights.len() as u32).to_le_bytes());
     for light in &image.lights {
         bytes.extend((light.name.len() as u32).to_le_bytes());
@@ -175,6 +188,14 @@ fn encode(traced: &Traced, key: u64) -> Vec<u8> {
             bytes.extend(soft.same_samples.unwrap_or(0).to_le_bytes());
             bytes.extend(soft.boundary_px.to_le_bytes());
             soft.bounds.as_flattened().iter().for_each(|bound| bytes.extend(bound.to_le_bytes()));
+        }
+        bytes.extend((light.tied.len() as u32).to_le_bytes());
+        for (tie, answer) in &light.tied {
+            bytes.extend(tie.to_le_bytes());
+            let values = [answer.factor, answer.tint].concat();
+            let values = values.iter().chain(answer.bounds.as_flattened());
+            values.for_each(|value| bytes.extend(value.to_le_bytes()));
+            bytes.push(u8::from(answer.compared) | u8::from(answer.ambiguous) << 1);
         }
     }
     let sum = checksum(&bytes);
@@ -199,6 +220,24 @@ impl<'a> Reader<'a> {
     fn number(&mut self) -> Option<u32> {
         Some(u32::from_le_bytes(self.bytes()?))
     }
+
+    fn answer(&mut self) -> Option<PixelReference> {
+        let mut values = [0.0; 12];
+        for value in &mut values {
+            *value = f32::from_bits(self.number()?);
+        }
+        let [flags] = self.bytes()?;
+        let three = |first: usize| [values[first], values[first + 1], values[first + 2]];
+        let pair = |first: usize| [values[first], values[first + 1]];
+        let (factor, tint, bounds) = (three(0), three(3), [pair(6), pair(8), pair(10)]);
+        Some(PixelReference {
+            factor,
+            bounds,
+            tint,
+            compared: flags & 1 == 1,
+            ambiguous: flags >> 1 & 1 == 1,
+        })
+    }
 }
 
 /// `None` for whatever [`encode`] did not write for this key.
@@ -219,6 +258,9 @@ fn decode(bytes: &[u8], key: u64) -> Option<Traced> {
     };
     let hit = |pair: &[u32]| (pair[0] != u32::MAX).then(|| Hit { instance: pair[0], triangle: pair[1] });
     let hits = numbers(reader.take(pixels.checked_mul(8)?)?).chunks_exact(2).map(hit).collect();
+    let count = reader.number()? as usize;
+    let tie = |three: &[u32]| (three[0], Hit { instance: three[1], triangle: three[2] });
+    let ties = numbers(reader.take(count.checked_mul(12)?)?).chunks_exact(3).map(tie).collect();
     let mut lights = Vec::new();
     for _ in 0..reader.number()? {
         let length = reader.number()? as usize;
@@ -233,15 +275,19 @@ fn decode(bytes: &[u8], key: u64) -> Option<Traced> {
             _ => {
                 let same_samples = Some(reader.number()?).filter(|count| *count > 0);
                 let boundary_px = f64::from_le_bytes(reader.bytes()?);
-                let bounds = numbers(reader.take(pixels.checked_mul(8)?)?);
+                let bounds = numbers(reader.take(values.checked_mul(8)?)?);
                 let bounds =
                     bounds.chunks_exact(2).map(|pair| [f32::from_bits(pair[0]), f32::from_bits(pair[1])]);
                 Some(SoftBounds { same_samples, bounds: bounds.collect(), boundary_px })
             }
         };
-        lights.push(LightReference { name, factor, compared, ambiguous, soft });
+        let mut tied = Vec::new();
+        for _ in 0..reader.number()? {
+            tied.push((reader.number()?, reader.answer()?));
+        }
+        lights.push(LightReference { name, factor, compared, ambiguous, soft, tied });
     }
-    let image = ReferenceImage { size_px, hits, lights };
+    let image = ReferenceImage { size_px, hits, ties, lights };
     reader.0.is_empty().then_some(Traced { image, trace_ms })
 }
 
@@ -250,6 +296,13 @@ mod tests {
     use super::*;
 
     fn traced() -> Traced {
+        let tied = PixelReference {
+            factor: [0.5, 0.25, 0.125],
+            bounds: [[0.0, 0.5], [0.25, 0.5], [0.125, 1.0]],
+            tint: [1.0, 0.75, 0.5],
+            compared: false,
+            ambiguous: true,
+        };
         let light = LightReference {
             name: "lämp".into(),
             factor: vec![0.25, 1.0],
@@ -260,9 +313,12 @@ mod tests {
                 bounds: vec![[0.25, 0.5], [1.0, 1.0]],
                 boundary_px: 0.5,
             }),
+            tied: vec![(1, tied)],
         };
         let hits = vec![Some(Hit { instance: 3, triangle: 70_000 }), None];
-        Traced { image: ReferenceImage { size_px: [2, 1], hits, lights: vec![light] }, trace_ms: 12.5 }
+        let ties = [2, 3].map(|instance| (0, Hit { instance, triangle: 1 })).to_vec();
+        let image = ReferenceImage { size_px: [2, 1], hits, ties, lights: vec![light] };
+        Traced { image, trace_ms: 12.5 }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! One scene: every technique and setting, its time beside the frame without shadows, its error, its pictures.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -232,6 +233,9 @@ fn judge(bench: &Bench<'_>, runner: &mut Runner, references: &mut References) ->
     let measured = measured(&judged, size_px).map_err(|error| failed(&error))?;
     let mut beside = |queries: &[LightQuery]| {
         let mut traced = references.get(&posed, &request, queries, &|_, _| {});
+        if let Cow::Owned(image) = traced.image.as_seen(&measured.ids) {
+            traced = Arc::new(Traced { image, trace_ms: traced.trace_ms });
+        }
         if let Some(image) = on_receivers(&registry, &traced.image) {
             traced = Arc::new(Traced { image, trace_ms: traced.trace_ms });
         }

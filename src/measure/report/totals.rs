@@ -115,9 +115,9 @@ fn outside_band(measured: &Measured, reference: &ReferenceImage) -> Square {
         for pixel in 0..pixels {
             let is_judged = light.compared[pixel] && (light.soft.is_some() || !light.ambiguous[pixel]);
             if is_judged && sees_same(measured.ids[pixel], reference.hits[pixel]) {
-                let channels = at(factor, pixels, pixel).zip(at(&light.factor, pixels, pixel));
-                let beyond = channels.map(|(value, exact)| {
-                    let [least, largest] = light.bounds(pixel, exact).map(f64::from);
+                let channels = at(factor, pixels, pixel).zip(at(&light.factor, pixels, pixel)).enumerate();
+                let beyond = channels.map(|(channel, (value, exact))| {
+                    let [least, largest] = light.bounds(pixel, channel, exact).map(f64::from);
                     (least - f64::from(value)).max(f64::from(value) - largest)
                 });
                 outside.add(beyond.fold(0.0, f64::max));
@@ -144,10 +144,10 @@ mod tests {
             factor: exact.to_vec(),
             compared: vec![true; 4],
             ambiguous: ambiguous.to_vec(),
-            soft: None,
+            ..LightReference::default()
         };
         let hits = vec![Some(Hit { instance: 0, triangle: 0 }); 4];
-        (measured, ReferenceImage { size_px: [4, 1], hits, lights: vec![light] })
+        (measured, ReferenceImage { size_px: [4, 1], hits, lights: vec![light], ..ReferenceImage::default() })
     }
 
     #[test]

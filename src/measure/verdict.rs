@@ -1,0 +1,64 @@
+//! What a comparison comes to, in one word.
+
+use std::fmt;
+
+use super::metrics::{LightError, MAX_DIFFERENT_SHARE};
+
+/// What a light's errors say of the technique.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Every pixel that was compared is right.
+    Exact,
+    /// Nothing was compared: no surface is in view, or within the light's range and cone, or turned but edge-on to it.
+    NothingCompared,
+    /// Some pixels are off, and no samples were taken that would have to be right: an approximation, which its errors tell.
+    Approximates,
+    /// Technique and reference see different surfaces at too many pixels for the rest to say anything.
+    SeesOtherSurfaces,
+    /// The ambiguity band is wider than it may be.
+    BandTooWide,
+    /// Some pixels are wrong.
+    Wrong,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Exact => "ok",
+            Self::NothingCompared => "nothing compared",
+            Self::Approximates => "approximates",
+            Self::SeesOtherSurfaces => "other surfaces",
+            Self::BandTooWide => "band too wide",
+            Self::Wrong => "FAILS",
+        })
+    }
+}
+
+impl LightError {
+    /// What all this comes to. Beside the whole light, a technique that takes samples is judged by these: a light has one
+    /// verdict, whatever it is compared with.
+    pub fn verdict(&self) -> Verdict {
+        let sees_same = self.different_triangle as f64 <= MAX_DIFFERENT_SHARE * self.hit_pixels as f64;
+        let is_right = self.wrong_outside_band == 0 && self.outside_bounds == 0;
+        match self.by_samples {
+            Some(verdict) => verdict,
+            None if !sees_same => Verdict::SeesOtherSurfaces,
+            None if self.compared == 0 => Verdict::NothingCompared,
+            None if self.band_too_wide => Verdict::BandTooWide,
+            None if is_right => Verdict::Exact,
+            None if self.is_converged => Verdict::Approximates,
+            None => Verdict::Wrong,
+        }
+    }
+
+    /// Whether this is what an exact technique must deliver: something was compared, nearly everywhere the same
+    /// surface was seen, the band is no wider than it may be, and nothing is wrong outside it.
+    pub fn passes(&self) -> bool {
+        self.verdict() == Verdict::Exact
+    }
+
+    /// Whether an exact technique must not deliver this; nothing compared is neither passed nor failed.
+    pub fn fails(&self) -> bool {
+        !matches!(self.verdict(), Verdict::Exact | Verdict::NothingCompared)
+    }
+}
