@@ -17,11 +17,12 @@
 use glam::DVec2;
 use shadowgraph_engine::shadow::{LightSize, disc_samples, light_samples};
 
-use super::disc::{DiscTracer, Sight, Way};
+use super::disc::{DiscTracer, Sight};
 use super::moved::Moved;
 use super::query::Judged;
 use super::reference::{CasterSet, Reference};
 use super::samples::SampleTree;
+use super::way::Way;
 
 /// As many samples stand for the whole light where nothing else is asked for.
 pub const CONVERGED_SAMPLES: u32 = 4096;

@@ -199,29 +199,6 @@ pub fn compare(measured: &Measured, reference: &ReferenceImage) -> Result<Vec<Li
         .collect()
 }
 
-/// Refuses comparisons in which there was no shadow to get wrong: without dark pixels in the reference a test cannot
-/// fail, and without dark pixels in the measured picture the technique has done nothing.
-///
-/// # Errors
-/// [`CompareError::NothingCompared`] and [`CompareError::NoShadow`], for the first light concerned.
-pub fn expect_shadow(errors: &[LightError]) -> Result<(), CompareError> {
-    for error in errors {
-        let light = error.name.clone();
-        if error.compared == 0 {
-            return Err(CompareError::NothingCompared { light });
-        }
-        let compared = error.compared;
-        for (picture, count) in
-            [("reference", error.shadow_pixels), ("measured picture", error.measured_shadow_pixels)]
-        {
-            if count == 0 {
-                return Err(CompareError::NoShadow { light, picture, compared });
-            }
-        }
-    }
-    Ok(())
-}
-
 /// Whether both see the same surface, or both none.
 pub(super) fn sees_same(ids: [u32; 2], hit: Option<Hit>) -> bool {
     hit.map_or([u32::MAX; 2], |hit| [hit.instance, hit.triangle]) == ids

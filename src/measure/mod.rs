@@ -36,6 +36,7 @@ mod ties;
 pub mod timing;
 mod verdict;
 mod view;
+mod way;
 
 pub use area::{CONVERGED_SAMPLES, Samples, SizedCasters, SoftBounds};
 pub use coverage::convex_visible_share;
@@ -47,7 +48,7 @@ pub use evaluate::{
 pub use layers::{LayerEvaluation, evaluate_layers};
 pub use metrics::{
     BAND_FLOOR_PIXELS, BAND_PIXELS_PER_BOUNDARY_PIXEL, CompareError, HALF_FLOAT_LOSS, LightError,
-    MAX_DIFFERENT_SHARE, Measured, compare, expect_shadow,
+    MAX_DIFFERENT_SHARE, Measured, compare,
 };
 pub use reference::{CasterSet, Hit, Reference, Tracer};
 pub use render::{
@@ -56,4 +57,4 @@ pub use render::{
 };
 pub use shadowgraph_engine::shadow::{LightSize, disc_samples, light_samples};
 pub use technique::ReferenceShadow;
-pub use verdict::Verdict;
+pub use verdict::{Verdict, expect_shadow};

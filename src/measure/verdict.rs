@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::metrics::{LightError, MAX_DIFFERENT_SHARE};
+use super::metrics::{CompareError, LightError, MAX_DIFFERENT_SHARE};
 
 /// What a light's errors say of the technique.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,4 +61,27 @@ impl LightError {
     pub fn fails(&self) -> bool {
         !matches!(self.verdict(), Verdict::Exact | Verdict::NothingCompared)
     }
+}
+
+/// Refuses comparisons in which there was no shadow to get wrong: without dark pixels in the reference a test cannot
+/// fail, and without dark pixels in the measured picture the technique has done nothing.
+///
+/// # Errors
+/// [`CompareError::NothingCompared`] and [`CompareError::NoShadow`], for the first light concerned.
+pub fn expect_shadow(errors: &[LightError]) -> Result<(), CompareError> {
+    for error in errors {
+        let light = error.name.clone();
+        if error.compared == 0 {
+            return Err(CompareError::NothingCompared { light });
+        }
+        let compared = error.compared;
+        for (picture, count) in
+            [("reference", error.shadow_pixels), ("measured picture", error.measured_shadow_pixels)]
+        {
+            if count == 0 {
+                return Err(CompareError::NoShadow { light, picture, compared });
+            }
+        }
+    }
+    Ok(())
 }

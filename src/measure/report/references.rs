@@ -101,7 +101,7 @@ fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 }
 
 /// The texts that say what a reference is.
-const SOURCES: [&str; 19] = [
+const SOURCES: [&str; 20] = [
     include_str!("../../../engine/src/shadow/area_light.rs"),
     include_str!("../../../engine/src/shadow/light_samples.rs"),
     include_str!("../answers.rs"),
@@ -120,6 +120,7 @@ const SOURCES: [&str; 19] = [
     include_str!("../surface.rs"),
     include_str!("../ties.rs"),
     include_str!("../view.rs"),
+    include_str!("../way.rs"),
     include_str!("references.rs"),
 ];
 
