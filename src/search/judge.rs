@@ -211,11 +211,7 @@ impl Judge {
         owed: &dyn Fn(&str) -> Owed,
     ) -> Result<Vec<Failure>, Problem> {
         let range = 0..layers.min(JUDGED_LAYERS);
-        let layers = match evaluate_layers(&mut self.renderer, scene, request, range, &|_, _| {}) {
-            // What a layer shows of a disc has no reference yet; opaque surfaces were judged.
-            Err(EvaluateError::SizedLightOnLayers { .. }) => Vec::new(),
-            layers => layers?,
-        };
+        let layers = evaluate_layers(&mut self.renderer, scene, request, range, &|_, _| {})?;
         let errors = layers.iter().flat_map(|on| on.errors.iter().map(|error| (on.layer, error)));
         Ok(errors.filter_map(|(layer, error)| complaint(error, owed(&error.name), Some(layer))).collect())
     }
