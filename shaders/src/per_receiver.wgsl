@@ -108,6 +108,9 @@ fn per_receiver(in: SoftVaryings) -> @location(0) vec4f {
     let k = select(clamp(r.k, 1e-12, LARGEST_DISC), 1.0, r.k == 0.0);
     var disc: DiscView;
     disc.horizon = vec3f(dot(n, r.u) * k, dot(n, r.v) * k, height);
+#if ON_LAYER
+    disc.horizon = vec3f(0.0, 0.0, 1.0);
+#endif
     disc.far = select(1e20, r.light_distance, soft.light.w > 0.0);
     let steep = length(disc.horizon.xy);
     disc.dips = r.k > 0.0 && disc.horizon.z < steep;

@@ -210,17 +210,18 @@ fn add_edges(list: CellList, r: Receiver, round: u32) {
 // no other than soups.
 fn hidden_by(t: SeenTriangle, r: Receiver, round: u32) -> vec2u {
     let scale = vec3f(1.0, r.k, r.k);
-    // Over the plane: where samples are, with what the receiver's own height adds to it.
+    // Over the plane: where samples are.
     let n = in_frame(r, t.plane.xyz);
-    let own = dot(t.plane.xyz, t.from_center) - t.plane.w;
-    let over = (n.zxy * scale) * r.light_distance + vec3f(own * soft.light.w, 0.0, 0.0);
+    let over = vec3f(t.center_height, n.xy * (r.k * r.light_distance));
     // On the side that the receiver is not on.
     let beyond = samples_not_below(select(-over, over, t.side < 0), round);
     let in_ab = samples_not_below(t.ab * scale, round);
     let in_bc = samples_not_below(t.bc * scale, round);
     let out_ca = samples_not_below(t.ac * scale, round);
     let through = (in_ab & in_bc & ~out_ca) | (~in_ab & ~in_bc & out_ca);
-    return select(beyond & through, vec2u(0u), t.side == 0);
+    // Within the light, only the centre counts, and on which side of the plane it is, if on one, was found with all digits.
+    let of_center = vec2u(select(0u, 1u, seen_hides_center(t) != 0), 0u);
+    return select(select(beyond & through, of_center, r.k == 0.0), vec2u(0u), t.side == 0);
 }
 
 // Samples that triangles hide which are asked one by one.
@@ -271,8 +272,12 @@ fn sampled(in: SoftVaryings) -> @location(0) vec4f {
 #endif
     for (var round = 0u; round < ROUNDS; round += 1u) {
         var bits = select(samples_of(round), vec2u(select(0u, 1u, round == 0u), 0u), r.k == 0.0);
+#if ON_LAYER
+        // A transparent surface is lit from both sides.
+#else
         // What lies in the surface's own plane is dark.
         bits &= ~samples_not_below(-over, round);
+#endif
 #if CASTERS
         bits &= ~hidden(r, q.lists, over_center, round);
 #endif

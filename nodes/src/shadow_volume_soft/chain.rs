@@ -18,6 +18,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, DVec4, Vec3};
+use shadowgraph_engine::math::facing_sign;
 use shadowgraph_engine::scene::Instance;
 
 use super::stretched::Stretched;
@@ -91,6 +92,18 @@ impl LightBall {
         if height > 0.0 { 1 } else { -1 }
     }
 
+    /// Whether the light is beside a caster of this radius, and within which distance triangles are asked one by one.
+    fn beside(&self, triangles: &[[u32; 3]], in_world: &[DVec3], radius_m: f64) -> (bool, f64) {
+        let near_m = NEAR * self.radius;
+        let is_small = self.radius < BESIDE * radius_m;
+        let limit_m = if is_small { BESIDE_SMALL } else { BESIDE } * radius_m;
+        let is_beside = self.position.w > 0.0
+            && triangles.iter().any(|corners| {
+                self.distance_to_triangle(corners.map(|vertex| in_world[vertex as usize])) < limit_m
+            });
+        (is_beside, if is_beside { near_m.max(limit_m) } else { near_m })
+    }
+
     /// How near the segment from `a` to `b` comes to the centre; infinite for directional lights.
     pub(super) fn distance_to_segment(&self, a: DVec3, b: DVec3) -> f64 {
         if self.position.w == 0.0 {
@@ -118,21 +131,26 @@ impl LightBall {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether a triangle is left out of the chain: it comes close to the light, or it is seen from there so wide that
-    /// an edge of it may be met before the light and beyond it.
-    fn is_near(&self, corners: [DVec3; 3]) -> bool {
+    /// Whether a triangle is left out of the chain: it comes within `near_m` of the light, or it is seen from there so wide
+    /// that an edge of it may be met before the light and beyond it.
+    fn is_near(&self, corners: [DVec3; 3], near_m: f64) -> bool {
         if self.position.w == 0.0 {
             return false;
         }
         let center = self.position.truncate();
         let towards = corners.map(|corner| (corner - center).normalize_or_zero());
         let wide = |i: usize, j: usize| towards[i].dot(towards[j]) < 0.5;
-        wide(0, 1) || wide(1, 2) || wide(2, 0) || self.distance_to_triangle(corners) < NEAR * self.radius
+        wide(0, 1) || wide(1, 2) || wide(2, 0) || self.distance_to_triangle(corners) < near_m
     }
 }
 
 /// Triangles nearer to the light's centre than this many radii of its ball are asked one by one.
 const NEAR: f64 = 3.0;
+/// A light is beside a caster when it is nearer to it than this share of the caster's radius, or when it is smaller and ..
+const BESIDE: f64 = 1e-3;
+/// .. nearer than this share: positions of f32 about the caster's middle then tell too little of the disc. All triangles as near
+/// as this are then asked one by one, by what they are as the light sees them.
+const BESIDE_SMALL: f64 = 0.05;
 
 /// A triangle of a caster, as the shader reads it and as it stands in the world.
 #[derive(Clone, Copy, Debug)]
@@ -146,6 +164,52 @@ pub(super) struct ChainTriangle {
     /// Whether it counts when it hides the light's centre: of a solid, what turns its back to the whole light hides nothing
     /// that its front does not.
     pub hides_center: bool,
+    /// Where the light is beside the caster.
+    pub beside: BesideTriangle,
+}
+
+/// A triangle as the light sees it, in six texels: its corners relative to the light's centre, in the order of its record; and
+/// the moments a × b, b × c and a × c of its edges about the centre. Rounded once, they keep their digits however near the light is.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[allow(missing_docs, reason = "documented above")]
+pub(super) struct BesideTriangle {
+    pub a: [f32; 3],
+    /// How high the light's centre is over the triangle's plane.
+    pub center_height: f32,
+    pub b: [f32; 3],
+    pub pad_0: f32,
+    pub c: [f32; 3],
+    pub pad_1: f32,
+    pub ab: [f32; 3],
+    pub pad_2: f32,
+    pub bc: [f32; 3],
+    pub pad_3: f32,
+    pub ac: [f32; 3],
+    pub pad_4: f32,
+}
+
+impl BesideTriangle {
+    /// Of `sorted` corners in the world, on a plane with this normal.
+    fn new([a, b, c]: [DVec3; 3], normal: DVec3, light: &LightBall) -> Self {
+        if light.position.w == 0.0 {
+            return Self::default();
+        }
+        let [a, b, c] = [a, b, c].map(|corner| corner - light.position.truncate());
+        let short = |v: DVec3| v.as_vec3().to_array();
+        // From the edge itself: of two nearly parallel corners the product would lose its digits.
+        let moment = |p: DVec3, q: DVec3| short(p.cross(q - p));
+        Self {
+            a: short(a),
+            center_height: -normal.dot(a) as f32,
+            b: short(b),
+            c: short(c),
+            ab: moment(a, b),
+            bc: moment(b, c),
+            ac: moment(a, c),
+            ..Self::default()
+        }
+    }
 }
 
 /// An edge of a caster that may be a silhouette.
@@ -166,6 +230,8 @@ pub(super) struct CasterChain {
     pub triangles: Vec<ChainTriangle>,
     /// The edges of those that are not near, where these can be silhouettes.
     pub edges: Vec<ChainEdge>,
+    /// Whether the light is beside the caster.
+    pub beside: bool,
 }
 
 /// A triangle's plane on the way.
@@ -202,12 +268,13 @@ impl CasterChain {
             }
             _ => None,
         };
-        let mut chain = Self { center, ..Self::default() };
+        let (beside, near_m) = light.beside(topology.triangles(), &in_world, instance.world_bounds.radius());
+        let mut chain = Self { center, beside, ..Self::default() };
         let mut faces: Vec<Option<Face>> = Vec::with_capacity(signs.len());
         for (number, (vertices, sign)) in topology.triangles().iter().zip(&signs).enumerate() {
             let orient = orientation.as_ref().map_or(1, |orientation| i32::from(orientation.sign(number)));
             let corners = vertices.map(|vertex| in_world[vertex as usize]);
-            let face = if *sign == 0 || orient == 0 { None } else { face(corners, center, orient, light) };
+            let face = if *sign == 0 || orient == 0 { None } else { face(corners, center, orient, (light, near_m)) };
             if let Some(face) = &face {
                 let hides_center = match half {
                     Half::Both => true,
@@ -219,8 +286,8 @@ impl CasterChain {
                     _ => vec![corners],
                 };
                 chain.triangles.extend(parts.into_iter().map(|corners| {
-                    let record = triangle_record(corners, center, face, light, half);
-                    ChainTriangle { record, corners, near: face.near, hides_center }
+                    let (record, beside) = triangle_record(corners, center, face, light, half);
+                    ChainTriangle { record, corners, near: face.near, hides_center, beside }
                 }));
             }
             faces.push(face.filter(|face| !face.near));
@@ -291,7 +358,12 @@ fn rounded(p: DVec3) -> Vec3 {
     p.as_vec3() + 0.0
 }
 
-fn face(corners: [DVec3; 3], center: DVec3, orient: i32, light: &LightBall) -> Option<Face> {
+fn face(
+    corners: [DVec3; 3],
+    center: DVec3,
+    orient: i32,
+    (light, near_m): (&LightBall, f64),
+) -> Option<Face> {
     let [a, b, c] = corners;
     // The product of two edges from the corner between the shorter ones is the least rounded; scaled, so that tiny
     // triangles keep theirs.
@@ -302,7 +374,7 @@ fn face(corners: [DVec3; 3], center: DVec3, orient: i32, light: &LightBall) -> O
         plane: normal.extend(normal.dot(a - center)).as_vec4().to_array(),
         orient,
         light_side: light.side(normal, a),
-        near: light.is_near(corners),
+        near: light.is_near(corners, near_m),
     })
 }
 
@@ -312,20 +384,27 @@ fn triangle_record(
     face: &Face,
     light: &LightBall,
     half: Half,
-) -> SoftTriangle {
-    let mut sorted = corners.map(|corner| rounded(corner - center));
+) -> (SoftTriangle, BesideTriangle) {
+    let mut sorted = corners.map(|corner| (rounded(corner - center), corner));
     let mut even = true;
     for (i, j) in [(0, 1), (1, 2), (0, 1)] {
-        if sorted[j].to_array() < sorted[i].to_array() {
+        if sorted[j].0.to_array() < sorted[i].0.to_array() {
             sorted.swap(i, j);
             even = !even;
         }
     }
     let normal = Vec3::from_slice(&face.plane).as_dvec3();
-    let height = normal.dot(light.position.truncate() - corners[0] * light.position.w);
+    let [a, b, c] = corners;
+    let center_side = facing_sign(a, b, c, light.position) * face.orient;
     let mut bits = if even == (face.orient > 0) { 0 } else { TURNED };
     bits |= counted_from(half);
-    bits |= if height > 0.0 { CENTER_BEFORE } else { CENTER_BEHIND };
-    let [a, b, c] = sorted.map(|corner| corner.to_array());
-    SoftTriangle { a, caster: 0, b, bits, c, pad_0: 0, plane: face.plane }
+    // On neither side, where it lies in the plane: then nothing hides it.
+    bits |= match center_side {
+        1 => CENTER_BEFORE,
+        -1 => CENTER_BEHIND,
+        _ => 0,
+    };
+    let beside = BesideTriangle::new(sorted.map(|(_, corner)| corner), normal, light);
+    let [a, b, c] = sorted.map(|(corner, _)| corner.to_array());
+    (SoftTriangle { a, caster: 0, b, bits, c, pad_0: 0, plane: face.plane }, beside)
 }

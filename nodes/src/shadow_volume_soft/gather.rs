@@ -9,7 +9,7 @@ use shadowgraph_engine::plan::{Binding, BufferUsage};
 use shadowgraph_engine::scene::Instance;
 use shadowgraph_engine::shadow::{LightPlan, ShadowError, hash_of};
 
-use super::chain::{CasterChain, LightBall, SoftEdge, SoftTriangle};
+use super::chain::{BesideTriangle, CasterChain, LightBall, SoftEdge, SoftTriangle};
 use super::clusters::clusters;
 use super::lists::{ListedEdge, SoftGrid};
 use super::near::near_lists;
@@ -83,6 +83,10 @@ pub(super) struct Gathered {
     pub(super) bindings: Vec<(u32, Binding)>,
     /// Whether some triangles are asked by themselves: clusters are bound then.
     pub(super) clusters: bool,
+    /// Whether the light is beside some caster: triangles as it sees them are bound then, as 8.
+    pub(super) beside: bool,
+    /// Whether receivers are transparent surfaces: they have no horizon.
+    pub(super) on_layer: bool,
     /// How many casters there are.
     pub(super) casters: usize,
     /// How many edges can be silhouettes.
@@ -97,6 +101,8 @@ pub(super) struct Gathered {
 struct Chains {
     edges: Arc<Vec<u8>>,
     triangles: Arc<Vec<u8>>,
+    /// Triangles as the light sees them, where it is beside some caster; else empty.
+    beside: Arc<Vec<u8>>,
     lists: Arc<Vec<u8>>,
     clusters: Arc<Vec<u8>>,
     near_clusters: usize,
@@ -317,6 +323,14 @@ impl ShadowVolumeSoft {
                     Binding::Storage(storage(light, "soft clusters", key, &chains.clusters, reason)),
                 ));
             }
+            gathered.beside = !chains.beside.is_empty();
+            if gathered.beside {
+                let reason = "triangles as a light sees them that all but touches a caster";
+                let slot = storage(light, "beside the soft light", key, &chains.beside, reason);
+                let (name, key) = (format!("beside {name}"), hash_of(("beside the soft light", key)));
+                let packed = packed(light, &name, slot, chains.beside.len(), Some(key))?;
+                bindings.push((8, Binding::Texture(packed)));
+            }
             gathered.casters = chains.centers.len();
             gathered.edges = chains.edge_count;
             gathered.longest_lists = chains.longest_lists;
@@ -324,7 +338,7 @@ impl ShadowVolumeSoft {
         }
         bindings.push((6, Binding::Texture(light.receiver_depth())));
         bindings.push((7, Binding::Texture(light.receiver_normals())));
-        Ok(Gathered { bindings, ..gathered })
+        Ok(Gathered { bindings, on_layer: light.layer().is_some(), ..gathered })
     }
 
     /// Whether something in view may receive so close to the light that lists do not hold there.
@@ -392,9 +406,12 @@ impl Chains {
         let mut near_corners: Vec<[DVec3; 3]> = Vec::new();
         let mut near: (Vec<SoftCluster>, Vec<SoftTriangle>, Vec<Option<[DVec3; 3]>>) = Default::default();
         let mut far: (Vec<SoftCluster>, Vec<SoftTriangle>, Vec<Option<[DVec3; 3]>>) = Default::default();
+        let mut beside: [Vec<BesideTriangle>; 2] = Default::default();
+        let mut is_beside = false;
         let mut centers = Vec::new();
         for (number, chain) in casters.enumerate() {
             let caster = number as u32;
+            is_beside |= chain.beside;
             centers.push(chain.center);
             edges.extend(chain.edges.iter().map(|edge| SoftEdge { caster, ..edge.record }));
             let center = chain.center;
@@ -425,6 +442,7 @@ impl Chains {
                     near_corners.extend(order.iter().map(|i| corners[*i]));
                 }
                 records.extend(order.iter().map(|i| SoftTriangle { caster, ..chosen[*i].record }));
+                beside[usize::from(!is_near)].extend(order.iter().map(|i| chosen[*i].beside));
                 listed.extend(order.iter().map(|i| chosen[*i].hides_center.then_some(corners[*i])));
             }
         }
@@ -459,10 +477,12 @@ impl Chains {
             edges.push(SoftEdge::default());
         }
         let triangles: Vec<SoftTriangle> = near.1.into_iter().chain(far.1).collect();
+        let beside = beside.concat();
         let bytes = |bytes: &[u8]| Arc::new(bytes.to_vec());
         Self {
             edges: bytes(cast_slice(&edges)),
             triangles: bytes(cast_slice(&triangles)),
+            beside: bytes(if is_beside { cast_slice(&beside) } else { &[] }),
             lists: bytes(cast_slice(&lists)),
             clusters: bytes(cast_slice(&all_clusters)),
             near_clusters,

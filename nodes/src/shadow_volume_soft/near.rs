@@ -77,9 +77,10 @@ impl SeenTriangle {
             return 0.0;
         }
         let [a, b, c] = self.corners;
-        let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| p.cross(q).dot(direction));
-        let is_before = direction.dot(a + b + c) > 0.0;
-        if is_before && (sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0)) {
+        // Inside each edge, on the side that the triangle itself is on: however nearly half a circle they span.
+        let turn = a.cross(b).dot(c).signum();
+        let is_inside = |p: DVec3, q: DVec3| p.cross(q).dot(direction) * turn >= 0.0;
+        if is_inside(a, b) && is_inside(b, c) && is_inside(c, a) {
             return 0.0;
         }
         let angles = [(a, b), (b, c), (c, a)].map(|(p, q)| angle_from_arc(direction, p, q));

@@ -27,24 +27,35 @@ use super::marked::mark_and_ask;
 
 impl ShadowVolumeSoft {
     pub(super) fn plan_per_receiver(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        let Gathered { bindings, clusters, casters, edges, triangles, .. } = self.gather(light)?;
+        let gathered = self.gather(light)?;
+        let flags = flags_of(&gathered);
+        let Gathered { bindings, casters, edges, triangles, .. } = gathered;
         if light.view.receiver_bounds.is_empty() {
             return Ok(());
         }
         let name = light.light().name.clone();
-        let shaders = ["mark", "per_receiver"].map(|fragment| shader(casters, clusters, fragment));
+        let shaders = ["mark", "per_receiver"].map(|fragment| shader(&flags, fragment));
         let reason = format!("what {casters} casters cover of {name}, by areas");
         mark_and_ask(light, bindings, shaders, (reason, format!("{edges} edges, {triangles} triangles")));
         Ok(())
     }
 }
 
-/// The shader, with casters and with clusters of them if there are any; its text is checked by a test, so composing it
-/// cannot fail.
-fn shader(casters: usize, clusters: bool, fragment: &'static str) -> Shader {
-    let wanted = [("CASTERS", casters > 0), ("CLUSTERS", clusters), ("ONE_CASTER", casters == 1)];
-    let flags: Vec<&str> = wanted.iter().filter(|(_, wanted)| *wanted).map(|(flag, _)| *flag).collect();
-    let source = shadowgraph_shaders::compose_named("per_receiver", &flags).unwrap_or_default();
+/// The shader's flags for what there is to ask.
+fn flags_of(gathered: &Gathered) -> Vec<&'static str> {
+    let wanted = [
+        ("CASTERS", gathered.casters > 0),
+        ("CLUSTERS", gathered.clusters),
+        ("BESIDE", gathered.beside),
+        ("ON_LAYER", gathered.on_layer),
+        ("ONE_CASTER", gathered.casters == 1),
+    ];
+    wanted.into_iter().filter(|(_, wanted)| *wanted).map(|(flag, _)| flag).collect()
+}
+
+/// The shader with these flags; its text is checked by a test, so composing it cannot fail.
+fn shader(flags: &[&str], fragment: &'static str) -> Shader {
+    let source = shadowgraph_shaders::compose_named("per_receiver", flags).unwrap_or_default();
     Shader {
         name: format!("per_receiver {}", flags.join(" ")).into(),
         source: source.into(),

@@ -17,7 +17,7 @@ impl ShadowVolumeSoft {
         let gathered = self.gather(light)?;
         // In each round the pixels that are drawn together, eight say, find their edges in turns, and count them in others.
         let long_lists = gathered.has_long_lists(9 * self.samples.div_ceil(64) as usize);
-        let Gathered { bindings, clusters, casters, edges, triangles, .. } = gathered;
+        let Gathered { bindings, clusters, beside, on_layer, casters, edges, triangles, .. } = gathered;
         if light.view.receiver_bounds.is_empty() {
             return Ok(());
         }
@@ -25,6 +25,8 @@ impl ShadowVolumeSoft {
         let wanted = [
             ("CASTERS", casters > 0),
             ("CLUSTERS", clusters),
+            ("BESIDE", beside),
+            ("ON_LAYER", on_layer),
             ("ONE_CASTER", casters == 1),
             ("DEEP", triangles >= 1 << 16),
             ("LONG_LISTS", long_lists),

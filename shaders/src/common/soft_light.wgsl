@@ -162,6 +162,12 @@ fn take_light(in: SoftVaryings) {
 #if CLUSTERS
 @group(1) @binding(4) var<storage, read> soft_clusters: array<SoftCluster>;
 #endif
+#if BESIDE
+// A triangle as the light's centre sees it, in six texels. 0, 1, 2: corners a, b and c relative to the centre; with a how high
+// the centre is over its plane. 3, 4, 5: the moments a × b, b × c and a × c. All of them keep their digits however near the
+// light is, which positions about the caster's middle do not.
+@group(1) @binding(8) var soft_beside: texture_2d<u32>;
+#endif
 #endif
 @group(1) @binding(6) var receiver_depth: texture_depth_2d;
 @group(1) @binding(7) var receiver_normals: texture_2d<f32>;
@@ -398,9 +404,9 @@ fn center_is_left(a: vec2f, b: vec2f) -> bool {
     return fma(a.x, b.y, -(a.y * b.x)) >= 0.0;
 }
 
-// How often an edge from a to b (across the centre) crosses the half axis +u upwards, as the receiver sees it along w.
-fn axis_crossing(a: vec2f, b: vec2f) -> i32 {
-    let left = center_is_left(a, b);
+// How often an edge from a to b (across the centre) crosses the half axis +u upwards, as the receiver sees it along w, with the
+// centre on its `left` or not.
+fn axis_crossing(a: vec2f, b: vec2f, left: bool) -> i32 {
     let upward = a.y < 0.0 && b.y >= 0.0;
     let downward = a.y >= 0.0 && b.y < 0.0;
     return select(0, 1, upward && left) - select(0, 1, downward && !left);
@@ -421,7 +427,21 @@ struct SeenTriangle {
     plane: vec4f,
     // From the middle of the caster's bounds to the receiver.
     from_center: vec3f,
+    // How high the light's centre is over its plane, in metres.
+    center_height: f32,
 }
+
+#if BESIDE
+fn beside(number: u32, part: u32) -> vec4f {
+    return bitcast<vec4f>(packed(soft_beside, number * 6u + part));
+}
+
+// As edge_heights, of an edge along d (in the frame) with this moment about the light's centre, which lies on the frame's axis.
+fn edge_heights_about_light(moment: vec3f, d: vec3f, r: Receiver) -> vec3f {
+    let m = in_frame(r, moment);
+    return vec3f(m.z, fma(-r.light_distance, d.y, m.x), fma(r.light_distance, d.x, m.y));
+}
+#endif
 
 fn seen_triangle(number: u32, r: Receiver) -> SeenTriangle {
     let first = packed(soft_triangles, number * 4u);
@@ -435,12 +455,26 @@ fn seen_triangle(number: u32, r: Receiver) -> SeenTriangle {
     seen.from_center = r.p - caster.xyz;
     seen.side = side_of(seen.plane, r, seen.from_center, caster.w);
     seen.bits = second.w;
+#if BESIDE
+    let from_light = beside(number, 0u);
+    let to_light = vec3f(0.0, 0.0, r.light_distance);
+    seen.center_height = from_light.w;
+    seen.a = in_frame(r, from_light.xyz) + to_light;
+    seen.b = in_frame(r, beside(number, 1u).xyz) + to_light;
+    seen.c = in_frame(r, beside(number, 2u).xyz) + to_light;
+    seen.ab = edge_heights_about_light(beside(number, 3u).xyz, in_frame(r, b - a), r);
+    seen.bc = edge_heights_about_light(beside(number, 4u).xyz, in_frame(r, c - b), r);
+    seen.ac = edge_heights_about_light(beside(number, 5u).xyz, in_frame(r, c - a), r);
+#else
+    let height = dot(seen.plane.xyz, seen.from_center) - seen.plane.w;
+    seen.center_height = dot(seen.plane.xyz, r.w) * r.light_distance + height * soft.light.w;
     seen.a = in_frame(r, a - seen.from_center);
     seen.b = in_frame(r, b - seen.from_center);
     seen.c = in_frame(r, c - seen.from_center);
     seen.ab = edge_heights(seen.a, in_frame(r, b - a));
     seen.bc = edge_heights(seen.b, in_frame(r, c - b));
     seen.ac = edge_heights(seen.a, in_frame(r, c - a));
+#endif
     return seen;
 }
 
@@ -452,8 +486,15 @@ fn hides_center(number: u32, r: Receiver) -> i32 {
 
 fn seen_hides_center(t: SeenTriangle) -> i32 {
     let opposite = (t.side < 0 && (t.bits & 8u) != 0u) || (t.side > 0 && (t.bits & 16u) != 0u);
-    let turns = axis_crossing(across(t.a), across(t.b)) + axis_crossing(across(t.b), across(t.c))
-        - axis_crossing(across(t.a), across(t.c));
+    let a = across(t.a);
+    let b = across(t.b);
+    let c = across(t.c);
+#if BESIDE
+    let turns = axis_crossing(a, b, t.ab.x >= 0.0) + axis_crossing(b, c, t.bc.x >= 0.0) - axis_crossing(a, c, t.ac.x >= 0.0);
+#else
+    let turns = axis_crossing(a, b, center_is_left(a, b)) + axis_crossing(b, c, center_is_left(b, c))
+        - axis_crossing(a, c, center_is_left(a, c));
+#endif
     let weight = select(0, weight_of(t.side, t.bits), opposite);
     return select(-weight, weight, (t.bits & 1u) != 0u) * turns;
 }

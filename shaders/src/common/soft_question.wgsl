@@ -32,6 +32,12 @@ fn question_at(position: vec2f) -> Question {
     q.normal = normal;
     q.reach = q.r.k * sqrt(max(1.0 - q.height * q.height, 0.0)) * 1.00001 + 1e-6;
     q.lit = q.height > q.reach && q.r.k > 0.0;
+#if ON_LAYER
+    // A transparent surface is lit from both sides: it has no horizon.
+    q.height = 1.0;
+    q.reach = 0.0;
+    q.lit = true;
+#endif
 #if CASTERS
     q.lists = lists_of(q.r);
     let listed = q.lists.edges.first < q.lists.edges.end || q.lists.triangles.first < q.lists.triangles.end;
