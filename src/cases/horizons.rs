@@ -50,15 +50,17 @@ pub(super) fn soft_no_caster() -> Vec<Stage> {
     let foot = |x: f64, z: f64| low_lamp(0.2, 1.0, DVec3::new(x + 3.0, 0.0, z - 1.0).length());
     let tilt = DAffine3::from_quat(DQuat::from_rotation_z(0.12));
     vec![
-        judged(bare.floor(), bare_share),
+        judged(bare.floor().casting_nothing(), bare_share),
         judged(below.floor(), below_share),
         judged(gridded.caster(patch(level(4.0, 0.0), Cut::Grid(3, 3))), gridded_share),
         // Seen through it or beside it, the floor is not under it for a sun so low.
         glazed
             .floor()
+            .casting_nothing()
             .worn_at(pane(), glass(Vec3::new(0.9, 0.3, 0.3), 0.5), DAffine3::IDENTITY)
             .expects(Expect::Matches),
         lamp("lamp")
+            .casting_nothing()
             .expects(Expect::Matches)
             .factor(&[p(0.4, 0.0, 0.3)], [foot(0.4, 0.3); 3])
             .factor(&[p(-0.8, 0.0, 0.5)], [foot(-0.8, 0.5); 3]),
@@ -79,7 +81,7 @@ pub(super) fn planar_no_caster() -> Vec<Stage> {
     let foot = low_lamp(0.2, 1.0, DVec3::new(3.4, 0.0, -0.7).length());
     let pane = patch(level(1.0, 1.0), Cut::Other).named("pane");
     vec![
-        sun("sun", 1.1, 5.0),
+        sun("sun", 1.1, 5.0).casting_nothing(),
         sun("mostly-below", -2.0, 5.0),
         Stage::small("lamp")
             .receiver(ground())

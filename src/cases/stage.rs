@@ -104,6 +104,18 @@ impl Stage {
         self
     }
 
+    /// The meshes so far receive only.
+    pub(super) fn casting_nothing(mut self) -> Self {
+        for key in self.scene.depth_first() {
+            if let Some(node) = self.scene.node_mut(key)
+                && let Content::Mesh(mesh) = &mut node.content
+            {
+                mesh.shadow.casts = false;
+            }
+        }
+        self
+    }
+
     /// A mesh in a material of its own, under a transform.
     pub(super) fn worn_at(mut self, data: MeshData, material: Material, world_from_local: DAffine3) -> Self {
         self.scene.add_mesh(mesh(data), material, world_from_local);

@@ -61,7 +61,7 @@ pub(super) fn turned_at(center: DVec3) -> DAffine3 {
 impl Stage {
     /// A small frame: what breaks here breaks in whole regions.
     pub(super) fn small(name: impl Into<String>) -> Self {
-        Self::new(name).size(72, 54)
+        Self::new(name).size(64, 48)
     }
 
     /// A single-sided mesh: seen from its front only, and casting whole.

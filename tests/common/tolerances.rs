@@ -233,8 +233,11 @@ pub(crate) const ROWS: &[Row] = &[
     },
     // Float counters have no samples: four a pixel are refused.
     Row { except: &[&[("msaa", Tolerance::ExactWhereAccepted)]], ..exact(HARD, "float") },
-    // Masked parts are no counts, which is all that a single pass takes.
-    Row { except: &[&[("alpha-mask", Tolerance::Refused)]], ..exact(HARD, "single") },
+    // Masked parts are no counts, which is all that a single pass takes; and it darkens the picture, other nodes the light.
+    Row {
+        except: &[&[("alpha-mask", Tolerance::Refused), ("turned-from-centre", Tolerance::Refused)]],
+        ..exact(HARD, "single")
+    },
     exact(HARD, "smooth"),
     sampled("default"),
     sampled("samples 16"),
