@@ -174,6 +174,7 @@ pub(super) fn wide_band() -> Vec<Stage> {
     let over = |name: &str, gap_m: f64| {
         // The control's shadow is endless, and everything near the floor's plane is next to dark.
         Stage::small(name)
+            .size(72, 54)
             .floor()
             .caster(block(v(0.6, 0.3, -0.4), v(0.3, 0.3, 0.3)))
             .point(p(-0.5, gap_m, 0.5))
