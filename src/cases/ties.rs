@@ -104,9 +104,9 @@ pub(super) fn culled_underside() -> Vec<Stage> {
         Stage::small("box-without-lid")
             .floor()
             .culled(open())
-            .point(p(0.0, 3.0, 0.3))
+            .point(p(0.0, 1.2, 0.1))
             .lit(&[p(0.0, 0.0, 0.1), p(0.3, 0.0, -0.2)])
-            .dark(&[p(0.62, 0.0, 0.0)]),
+            .dark(&[p(0.66, 0.0, 0.0)]),
     ]
 }
 
@@ -149,7 +149,7 @@ pub(super) fn back_to_back_panels() -> Vec<Stage> {
         let [front, back] = cuts.map(|cut| patch(panel(), cut).named("panel"));
         Stage::small(name).floor().culled(front).culled_at(back, half_turn)
     };
-    let judged = |stage: Stage| stage.lit(&[p(0.3, 1.0, 0.0), p(-0.5, 0.7, 0.0)]).dark(&[p(0.9, 0.0, -0.5)]);
+    let judged = |stage: Stage| stage.lit(&[p(0.3, 1.0, 0.0), p(-0.5, 0.7, 0.0)]).dark(&[p(0.9, 0.0, -0.8)]);
     let lamp = p(-0.6, 2.5, 2.5);
     let wide = [v(-1.2, 0.2, 0.0), v(1.2, 0.2, 0.0), v(1.2, 1.8, 0.0), v(-1.2, 1.8, 0.0)];
     vec![
