@@ -112,6 +112,32 @@ const IDS: &[&str] = &[
     "resize",
     "1x1",
     "4096",
+    "culled-underside",
+    "two-sided-leaf",
+    "back-to-back-panels",
+    "glass-on-floor",
+    "glass-on-box",
+    "glass-on-glass",
+    "coincident-panes",
+    "wide-band",
+    "room-through-culled-walls",
+    "inward-shell",
+    "soft-no-caster",
+    "planar-no-caster",
+    "turned-from-centre",
+    "strip-500m",
+    "strip-5km",
+    "road-50km",
+    "stretched-at-grazing",
+    "cracked-2e-6",
+    "thin-receiver",
+    "lamp-1e-9-over-face",
+    "lamp-1e-9-over-edge",
+    "lamp-1e-9-over-vertex",
+    "soft-lamp-on-edge",
+    "soft-lamp-on-corner",
+    "lamp-in-far-plane",
+    "ortho-lamp-beside",
 ];
 
 fn primary_ray(camera: &PosedCamera, size_px: [u32; 2], ndc: [f64; 2]) -> (DVec3, DVec3) {
@@ -137,9 +163,8 @@ fn count_samples(case: &Case, posed: &Posed, soup: &Soup) -> Vec<[usize; 2]> {
         let to_ndc = |k: usize| (k as f64 + 0.5) / side as f64 * 2.0 - 1.0;
         let (origin, direction) =
             primary_ray(&case.camera, case.size_px, [to_ndc(i % side), to_ndc(i / side)]);
-        let Some((t, surface)) =
-            soup.hit(origin, direction, [case.camera.projection.near_m(), case.camera.projection.far_m()])
-        else {
+        let limits = [case.camera.projection.near_m(), case.camera.projection.far_m()];
+        let Some((t, surface)) = soup.seen(origin, direction, limits) else {
             continue;
         };
         for (light, count) in posed.lights.iter().zip(&mut counts) {
@@ -155,8 +180,14 @@ fn check(case: &Case) -> Vec<String> {
     let mut wrong = Vec::new();
     let posed = case.scene.pose().expect("every case poses");
     assert!(!posed.lights.is_empty(), "{}: no light", case.name());
-    assert_eq!(posed.shadow_nodes.len(), 1, "{}: one shadow node", case.name());
-    assert_eq!(posed.shadow_nodes[0].shadow.technique, "ShadowVolumeHard");
+    let tried = posed.shadow_nodes.iter().filter(|node| node.shadow.technique == "ShadowVolumeHard");
+    assert_eq!(tried.count(), 1, "{}: one shadow node to be tried", case.name());
+    assert_eq!(
+        posed.shadow_nodes[0].shadow.technique,
+        "ShadowVolumeHard",
+        "{}: it is the first",
+        case.name()
+    );
     assert!(case.camera.projection.is_valid(), "{}", case.name());
     let frustum = case.camera.frustum(case.size_px);
     let seen = posed.instances.iter().any(|i| frustum.may_see(&i.world_bounds));
@@ -173,7 +204,7 @@ fn check(case: &Case) -> Vec<String> {
             continue;
         };
         let (origin, direction) = primary_ray(&case.camera, case.size_px, ndc);
-        let hit = soup.hit(origin, direction, [case.camera.projection.near_m(), f64::INFINITY]);
+        let hit = soup.seen(origin, direction, [case.camera.projection.near_m(), f64::INFINITY]);
         let distance = (point - origin).length();
         match hit {
             Some((t, surface)) if (origin + direction * t - point).length() < 1e-4 * distance => {

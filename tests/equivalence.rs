@@ -37,7 +37,8 @@ fn reference(renderer: &mut Renderer, case: &Case) -> ReferenceImage {
 fn with_options(case: &Case, node: ShadowVolumeHard) -> Scene {
     let mut scene = case.scene.clone();
     let key = scene.shadows().next().unwrap().0;
-    *scene.shadow_mut(key).unwrap() = node.into();
+    let (ShadowNode { technique, params, .. }, shadow) = (node.into(), scene.shadow_mut(key).unwrap());
+    (shadow.technique, shadow.params) = (technique, params);
     scene
 }
 
@@ -137,11 +138,12 @@ fn every_option_gives_the_same_factors() {
             let other = match common::measure(&mut renderer, &with_options(case, *node), &request(case)) {
                 Ok(other) => other,
                 // zpass is refused where the near plane may be in shadow, toBounds where no plane serves, single for
-                // masks, which are no counts.
+                // masks, which are no counts, and beside nodes that take away the light itself.
                 Err(RenderError::Shadow(_) | RenderError::Frame(_))
                     if name.ends_with("zpass")
                         || name.ends_with("toBounds")
-                        || (name.ends_with("single") && case.id == "alpha-mask") =>
+                        || (name.ends_with("single")
+                            && ["alpha-mask", "turned-from-centre"].contains(&case.id)) =>
                 {
                     continue;
                 }
@@ -255,7 +257,7 @@ fn an_unmoved_scene_is_drawn_again_without_work() {
         assert!(first.factors == second.factors, "{}: factors", case.name());
         let shadowed = first.plan.lights.iter().any(|light| !light.techniques.is_empty());
         assert!(
-            !shadowed || before != after || case.id == "sky",
+            !shadowed || before != after || ["sky", "soft-no-caster", "planar-no-caster"].contains(&case.id),
             "{}: the first frame did nothing",
             case.name()
         );

@@ -4,7 +4,7 @@
 
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use shadowgraph::cases::{self, Case, sweeps};
-use shadowgraph::measure::{LightQuery, Reference, ReferenceImage};
+use shadowgraph::measure::{LightQuery, LightSize, Reference, ReferenceImage};
 use shadowgraph_engine::geometry::shapes::{icosphere, quad};
 use shadowgraph_engine::geometry::{Mesh, MeshData};
 use shadowgraph_engine::math::Projection;
@@ -57,7 +57,9 @@ fn hand_made_answers_are_its_own() {
     };
     let cases = cases::all().into_iter().flat_map(|entry| entry.build());
     let steps = sweeps::all().into_iter().flat_map(|sweep| sweep.steps()).map(|(_, case)| case);
-    let cases: Vec<Case> = cases.chain(steps).filter(transparent).collect();
+    // Points of lights with a size are judged elsewhere: here every light is its centre.
+    let is_hard = |case: &Case| LightSize::of(&case.options) == LightSize::NONE;
+    let cases: Vec<Case> = cases.chain(steps).filter(transparent).filter(is_hard).collect();
     let probes: usize = cases.iter().map(|case| case.probes.len()).sum();
     assert!(cases.len() > 30 && probes > 90, "{} cases, {probes} probes", cases.len());
     let wrong: Vec<String> = cases.iter().flat_map(wrong_probes).collect();

@@ -1,7 +1,6 @@
 //! Techniques broken on purpose: conformance turns red, on the cases where it must, and says what is wrong.
 //!
-//! Each wraps `ShadowVolumeHard`, takes its name and its rows, and spoils the draws it has planned as a slip in its code
-//! would.
+//! Each wraps a technique, takes its name and its rows, and spoils what it has planned as a slip in its code would.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "what a sabotage turns red is what a reader of the log is after")]
@@ -16,15 +15,24 @@ use shadowgraph::cases;
 use shadowgraph::engine::plan::{CompareFunction, Draw, Geometry, Stencil, StencilOperation};
 use shadowgraph::engine::scene::{Instance, Params};
 use shadowgraph::engine::shadow::{
-    Catalog, LightPlan, OptionError, Requirements, ShadowError, ShadowTechnique, TechniqueEntry,
+    Catalog, LightPlan, LightSize, OptionError, Requirements, ShadowError, ShadowTechnique, TechniqueEntry,
 };
 use shadowgraph::prelude::*;
 
-/// `ShadowVolumeHard`, with something done to every draw of its volumes.
+/// A technique with something done to what it plans.
 #[derive(Debug)]
 struct Broken {
-    technique: ShadowVolumeHard,
-    spoil: fn(&mut Draw),
+    technique: Arc<dyn ShadowTechnique>,
+    spoil: Spoil,
+}
+
+/// What is done.
+#[derive(Debug)]
+enum Spoil {
+    /// To every draw.
+    Draws(fn(&mut Draw)),
+    /// In place of its plan.
+    Plan(fn(&dyn ShadowTechnique, &mut LightPlan<'_>) -> Result<(), ShadowError>),
 }
 
 impl ShadowTechnique for Broken {
@@ -48,10 +56,23 @@ impl ShadowTechnique for Broken {
         self.technique.casts(instance)
     }
 
+    fn light_size(&self) -> LightSize {
+        self.technique.light_size()
+    }
+
+    fn light_sample_count(&self) -> Option<u32> {
+        self.technique.light_sample_count()
+    }
+
     fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        self.technique.plan(light)?;
-        light.passes_mut().iter_mut().flat_map(|pass| &mut pass.draws).for_each(self.spoil);
-        Ok(())
+        match self.spoil {
+            Spoil::Draws(spoil) => {
+                self.technique.plan(light)?;
+                light.passes_mut().iter_mut().flat_map(|pass| &mut pass.draws).for_each(spoil);
+                Ok(())
+            }
+            Spoil::Plan(plan) => plan(self.technique.as_ref(), light),
+        }
     }
 }
 
@@ -61,12 +82,12 @@ fn broken(
     technique: ShadowVolumeHard,
     spoil: fn(&mut Draw),
 ) -> Result<Arc<dyn ShadowTechnique>, OptionError> {
-    Ok(Arc::new(Broken { technique, spoil }))
+    Ok(Arc::new(Broken { technique: Arc::new(technique), spoil: Spoil::Draws(spoil) }))
 }
 
 /// The default setting of a technique so made, on every variant of these cases.
-fn trials(from_params: FromParams, ids: &[&str]) -> Option<Vec<Trial>> {
-    let entry = TechniqueEntry { from_params, settings: &[], ..ShadowVolumeHard::ENTRY };
+fn trials(entry: TechniqueEntry, ids: &[&str]) -> Option<Vec<Trial>> {
+    let entry = TechniqueEntry { settings: &[], ..entry };
     let mut catalog = Catalog::new();
     catalog.register(entry);
     let mut renderer = Renderer::new(common::renderer()?.gpu().clone(), catalog);
@@ -81,12 +102,18 @@ fn trials(from_params: FromParams, ids: &[&str]) -> Option<Vec<Trial>> {
 
 /// All of these cases turn red in at least one variant, and the complaint says `word`.
 fn turns_red(from_params: FromParams, ids: &[&str], word: &str) {
+    let sound: FromParams = |_| broken(ShadowVolumeHard::default(), |_| ());
+    turns_red_of(ShadowVolumeHard::ENTRY, [sound, from_params], ids, word);
+}
+
+/// The same of the technique of this entry, sound and broken.
+fn turns_red_of(entry: TechniqueEntry, [sound, broken]: [FromParams; 2], ids: &[&str], word: &str) {
     // Sound, they are green: what turns them red is the sabotage.
-    let Some(sound) = trials(|_| broken(ShadowVolumeHard::default(), |_| ()), ids) else { return };
+    let Some(sound) = trials(TechniqueEntry { from_params: sound, ..entry }, ids) else { return };
     for trial in sound {
         assert_eq!(trial.complaint, None, "{}", trial.name());
     }
-    let trials = trials(from_params, ids).unwrap();
+    let trials = trials(TechniqueEntry { from_params: broken, ..entry }, ids).unwrap();
     for trial in &trials {
         let verdict =
             trial.complaint.as_deref().map_or("green", |complaint| complaint.lines().next().unwrap());
@@ -212,6 +239,65 @@ fn nothing_counted() {
         &["single-quad", "overlap-256", "lights-4"],
         "leaks and 0 false shadows",
     );
+}
+
+#[test]
+fn caps_at_their_very_depth() {
+    // What lies in a cap's own plane is then in its shadow or not as rounding has it.
+    turns_red(
+        |_| {
+            broken(ShadowVolumeHard::default(), |draw| {
+                let Some(shader) = &mut draw.shader else { return };
+                let shift = "const CAP_SHIFT: f32 = 3.814697265625e-6;";
+                if shader.vertex.starts_with("vertex") {
+                    let unshifted = shader.source.replace(shift, "const CAP_SHIFT: f32 = 0.0;");
+                    assert_ne!(*unshifted, *shader.source, "nothing is moved");
+                    shader.source = unshifted.into();
+                    shader.name = "at their very depth".into();
+                }
+            })
+        },
+        &["culled-underside", "back-to-back-panels"],
+        "outside the band",
+    );
+}
+
+#[test]
+fn inner_walls_that_cast_nothing() {
+    // Solids cast with half their triangles, as if all surfaces had two sides: the walls that are seen from inside are not
+    // among them. A plan holds on to its scene for good, so the changed one is never dropped.
+    let halved: FromParams = |_| {
+        let plan = |technique: &dyn ShadowTechnique, light: &mut LightPlan<'_>| {
+            let mut posed = light.posed.clone();
+            for material in posed.instances.iter_mut().flat_map(|instance| &mut instance.materials) {
+                *material = Arc::new(Material { double_sided: true, ..(**material).clone() });
+            }
+            let seen = std::mem::replace(&mut light.posed, Box::leak(Box::new(posed)));
+            let planned = technique.plan(light);
+            light.posed = seen;
+            planned
+        };
+        Ok(Arc::new(Broken { technique: Arc::new(ShadowVolumeHard::default()), spoil: Spoil::Plan(plan) }))
+    };
+    turns_red(halved, &["room-through-culled-walls", "inward-shell"], "leaks");
+}
+
+#[test]
+fn a_horizon_that_only_casters_bring() {
+    // Where nothing casts, the light's size is passed over.
+    let sound: FromParams = |params| {
+        let technique = (ShadowVolumeSoft::ENTRY.from_params)(params)?;
+        Ok(Arc::new(Broken { technique, spoil: Spoil::Draws(|_| ()) }))
+    };
+    let broken: FromParams = |params| {
+        let technique = (ShadowVolumeSoft::ENTRY.from_params)(params)?;
+        let plan = |technique: &dyn ShadowTechnique, light: &mut LightPlan<'_>| {
+            let casts = light.casters().any(|(_, instance)| technique.casts(instance) == Ok(true));
+            if casts { technique.plan(light) } else { Ok(()) }
+        };
+        Ok(Arc::new(Broken { technique, spoil: Spoil::Plan(plan) }))
+    };
+    turns_red_of(ShadowVolumeSoft::ENTRY, [sound, broken], &["soft-no-caster"], "outside the band");
 }
 
 #[test]

@@ -8,7 +8,7 @@ mod common;
 use std::sync::Arc;
 
 use shadowgraph::cases;
-use shadowgraph::engine::plan::{CompareFunction, Draw, Geometry};
+use shadowgraph::engine::plan::{Draw, Geometry};
 use shadowgraph::engine::scene::{Instance, Params};
 use shadowgraph::engine::shadow::{
     Catalog, Layers, LightPlan, Requirements, ShadowError, ShadowTechnique, TechniqueEntry,
@@ -128,11 +128,14 @@ fn a_layer_shadowed_by_its_own_surface() {
     // What is left at the very depth of what is seen is taken not to be left yet. Opaque surfaces do not mind.
     let broken: TechniqueFromParams = |_| {
         Ok(Arc::new(Broken(TransparentShadow::default(), |draw| {
-            draw.state.depth_compare = match draw.state.depth_compare {
-                CompareFunction::GreaterEqual => CompareFunction::Greater,
-                CompareFunction::Less => CompareFunction::LessEqual,
-                other => other,
-            };
+            let Some(shader) = &mut draw.shader else { return };
+            if shader.vertex == "vertex_of_left_caps" {
+                let ahead = "volume_clip(index, volume, CAP_SHIFT)";
+                let behind = shader.source.replace(ahead, "volume_clip(index, volume, -CAP_SHIFT)");
+                assert_ne!(*behind, *shader.source, "no cap is moved");
+                shader.source = behind.into();
+                shader.name = "not left yet".into();
+            }
         })))
     };
     let Some([opaque, layers]) = wrong(broken, &CASES) else { return };

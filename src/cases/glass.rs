@@ -14,7 +14,7 @@ const RED: Vec3 = Vec3::new(1.0, 0.2, 0.2);
 const GREEN: Vec3 = Vec3::new(0.2, 1.0, 0.2);
 
 /// A material that lets (1 − `alpha`)·`color` pass.
-fn glass(color: Vec3, alpha: f32) -> Material {
+pub(super) fn glass(color: Vec3, alpha: f32) -> Material {
     Material { base_color: color.extend(alpha), alpha_mode: AlphaMode::Blend, ..Material::default() }
 }
 

@@ -3,16 +3,19 @@
 //! [`all`] lists every case; a [`CaseEntry`] is cheap, and [`CaseEntry::build`] makes its scenes. One id may have
 //! several variants (both facings of a quad, several lights' positions, a shift by node or baked into the vertices).
 //!
-//! Every scene carries one shadow node, `ShadowVolumeHard` with default options over all lights and meshes, and a
-//! camera placed so that the failure would be *seen*. What is right is said twice: [`Expect`] for the frame as a
+//! Every scene carries one shadow node to be tried, `ShadowVolumeHard` with default options over all lights and meshes (but
+//! for those of nodes beside it, where a case is about several), and a camera placed so that the failure would be *seen*. What is right is said twice: [`Expect`] for the frame as a
 //! whole, and [`Probe`]s, single surface points whose light or darkness was worked out by hand. The probes keep the
 //! reference honest too, since nothing in them was computed by it.
 //!
 //! Floors cast like everything else: a technique that cannot bear an open quad under every scene should not pass.
 
+mod beside;
 mod counts;
 mod eyes;
+mod found;
 mod glass;
+mod horizons;
 mod lights;
 mod many;
 mod maps;
@@ -20,12 +23,16 @@ mod masks;
 mod moving;
 mod planar;
 mod repairs;
+mod rooms;
 mod samples;
 mod soft;
 mod stage;
+mod stretched;
 pub mod sweeps;
 mod table;
+mod ties;
 mod topology;
+mod touching_glass;
 mod transforms;
 
 use shadowgraph_engine::manager::FrameRequest;
@@ -96,7 +103,7 @@ pub struct Case {
     pub variant: String,
     /// What breaks in techniques that get it wrong.
     pub what_breaks: &'static str,
-    /// The scene, with its shadow node.
+    /// The scene. Of its shadow nodes the first is the one that techniques are put into; others stay what they are.
     pub scene: Scene,
     /// The camera that sees the problem.
     pub camera: PosedCamera,
@@ -130,7 +137,7 @@ impl Case {
         FrameRequest { antialias: self.antialias, ..FrameRequest::new(self.camera.clone(), self.size_px) }
     }
 
-    /// The scene with another technique in its shadow node: with `params`, and with those of the case's own options
+    /// The scene with another technique in its first shadow node: with `params`, and with those of the case's own options
     /// that the technique has.
     ///
     /// # Errors
@@ -143,13 +150,11 @@ impl Case {
         let params: Params = params.clone().into_iter().chain(own).collect();
         let mut scene = self.scene.clone();
         let receivers = scene.pose().map(|posed| receivers_for(&posed, made.as_ref())).unwrap_or_default();
-        let nodes: Vec<_> = scene.shadows().map(|(key, _)| key).collect();
-        for key in nodes {
-            if let Some(node) = scene.shadow_mut(key) {
-                node.technique = technique.type_name.into();
-                node.params = params.clone();
-                node.receivers = receivers.clone();
-            }
+        let tried = scene.shadows().next().map(|(key, _)| key);
+        if let Some(node) = tried.and_then(|key| scene.shadow_mut(key)) {
+            node.technique = technique.type_name.into();
+            node.params = params;
+            node.receivers = receivers;
         }
         Ok(scene)
     }

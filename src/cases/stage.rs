@@ -25,6 +25,7 @@ pub(super) struct Stage {
     antialias: Antialias,
     options: Params,
     receivers: Vec<NodeKey>,
+    beside: Vec<(NodeKey, ShadowNode)>,
     expect: Expect,
     probes: Vec<Probe>,
     lights: usize,
@@ -78,6 +79,7 @@ impl Stage {
             antialias: Antialias::None,
             options: Params::new(),
             receivers: Vec::new(),
+            beside: Vec::new(),
             expect: Expect::Shadow,
             probes: Vec::new(),
             lights: 0,
@@ -98,6 +100,24 @@ impl Stage {
     pub(super) fn caster_at(mut self, data: MeshData, world_from_local: DAffine3) -> Self {
         let shade = if data.name == "floor" { 0.6 } else { 0.8 };
         let material = Material::matt("matt", Vec3::new(shade, shade, 0.75));
+        self.scene.add_mesh(mesh(data), material, world_from_local);
+        self
+    }
+
+    /// The meshes so far receive only.
+    pub(super) fn casting_nothing(mut self) -> Self {
+        for key in self.scene.depth_first() {
+            if let Some(node) = self.scene.node_mut(key)
+                && let Content::Mesh(mesh) = &mut node.content
+            {
+                mesh.shadow.casts = false;
+            }
+        }
+        self
+    }
+
+    /// A mesh in a material of its own, under a transform.
+    pub(super) fn worn_at(mut self, data: MeshData, material: Material, world_from_local: DAffine3) -> Self {
         self.scene.add_mesh(mesh(data), material, world_from_local);
         self
     }
@@ -227,6 +247,28 @@ impl Stage {
         self
     }
 
+    /// A mesh that casts through a node of its own, which stays what it is whatever technique is tried.
+    pub(super) fn beside(mut self, data: MeshData, world_from_local: DAffine3, node: ShadowNode) -> Self {
+        let key = self.scene.add_mesh(mesh(data), Material::default(), world_from_local);
+        self.beside.push((key, node));
+        self
+    }
+
+    /// The node that is tried, over all meshes that no node beside it has.
+    fn tried(&self) -> ShadowNode {
+        let node = ShadowNode::new("ShadowVolumeHard");
+        let node = if self.receivers.is_empty() { node } else { node.with_receivers(self.receivers.clone()) };
+        if self.beside.is_empty() {
+            return node;
+        }
+        let is_mesh = |key: &NodeKey| {
+            self.scene.node(*key).is_some_and(|node| matches!(node.content, Content::Mesh(_)))
+        };
+        let is_beside = |key: &NodeKey| self.beside.iter().any(|(other, _)| other == key);
+        let keys = self.scene.depth_first().into_iter();
+        node.with_casters(keys.filter(|key| is_mesh(key) && !is_beside(key)))
+    }
+
     /// These points are lit by the first light.
     pub(super) fn lit(self, points: &[DVec3]) -> Self {
         self.factor(points, [1.0; 3])
@@ -255,16 +297,18 @@ impl Stage {
         self.caster(block(v(2.0, 1.0, 1.0), v(0.3, 0.3, 0.3)).named("control"))
     }
 
-    /// The finished case; every scene's one shadow node is added here.
+    /// The finished case; every scene's shadow nodes are added here, the one that is tried first.
     pub(super) fn into_case(
         mut self,
         id: &'static str,
         what_breaks: &'static str,
         answers: &'static [(&'static str, Answer)],
     ) -> Case {
-        let node = ShadowNode::new("ShadowVolumeHard");
-        let node = if self.receivers.is_empty() { node } else { node.with_receivers(self.receivers) };
+        let node = self.tried();
         self.scene.add_shadow("shadows", node);
+        for (caster, node) in self.beside {
+            self.scene.add_shadow("beside", node.with_casters([caster]));
+        }
         let camera = Camera { name: "main".into(), projection: self.projection };
         self.scene.add_camera(camera.clone(), self.eye, self.target);
         Case {

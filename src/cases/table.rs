@@ -2,8 +2,8 @@
 
 use super::stage::Stage;
 use super::{
-    Answer, CaseEntry, counts, eyes, glass, lights, many, maps, masks, moving, planar, repairs, samples,
-    soft, topology, transforms,
+    Answer, CaseEntry, counts, eyes, found, glass, lights, many, maps, masks, moving, planar, repairs,
+    samples, soft, topology, transforms,
 };
 
 /// Glass is the business of coloured techniques alone.
@@ -25,7 +25,7 @@ const MAPS: &[(&str, Answer)] = {
     &[("ShadowMap", NEAR), ("SilhouetteMap", NEAR)]
 };
 
-const fn row(
+pub(super) const fn row(
     id: &'static str,
     what_breaks: &'static str,
     right_answer: &'static str,
@@ -35,13 +35,13 @@ const fn row(
 }
 
 /// A row about which single techniques have something to say.
-const fn answered(answers: &'static [(&'static str, Answer)], row: CaseEntry) -> CaseEntry {
+pub(super) const fn answered(answers: &'static [(&'static str, Answer)], row: CaseEntry) -> CaseEntry {
     CaseEntry { answers, ..row }
 }
 
 /// Every hard case, in the order of the documentation. Listing is cheap; scenes are made by [`CaseEntry::build`].
 pub fn all() -> Vec<CaseEntry> {
-    ROWS.to_vec()
+    [ROWS, found::ROWS].concat()
 }
 
 const ROWS: &[CaseEntry] = &[

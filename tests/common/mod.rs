@@ -6,6 +6,7 @@ pub(crate) mod conformance;
 mod gpu;
 mod plans;
 pub(crate) mod tolerances;
+pub(crate) mod tolerances_found;
 
 pub(crate) use gpu::{measure, mesh, renderer};
 pub(crate) use plans::*;

@@ -4,6 +4,8 @@
 //! row loosens it: an approximation is declared here in advance, with its bound and its reason, or it is an error. A
 //! technique from outside brings its own rows.
 
+use super::tolerances_found as found;
+
 /// What is owed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Tolerance {
@@ -56,8 +58,13 @@ pub(crate) struct Row {
 impl Row {
     /// What is owed on the case of this id and name.
     pub(crate) fn on(&self, id: &str, name: &str) -> Tolerance {
-        let named = self.except.iter().copied().flatten().find(|(case, _)| *case == id || *case == name);
+        let named = self.exceptions().find(|(case, _)| *case == id || *case == name);
         named.map_or(self.owes, |(_, tolerance)| *tolerance)
+    }
+
+    /// What is owed on single cases: by `except`, then by what [`found`] has for the setting.
+    pub(crate) fn exceptions(&self) -> impl Iterator<Item = &'static (&'static str, Tolerance)> {
+        self.except.iter().chain(found::groups(self.technique, self.setting)).copied().flatten()
     }
 }
 
@@ -69,12 +76,12 @@ const fn forced(technique: &'static str, setting: &'static str, accepts_at_least
     Row { technique, setting, owes: Tolerance::ExactWhereAccepted, except: &[], accepts_at_least }
 }
 
-const HARD: &str = "ShadowVolumeHard";
-const TRANSPARENT: &str = "TransparentShadow";
+pub(crate) const HARD: &str = "ShadowVolumeHard";
+pub(crate) const TRANSPARENT: &str = "TransparentShadow";
 
 /// Lids over open casters: nothing dark is lit, but light that shines through an opening is lost, as much of it as the
 /// opening is large in the frame.
-const fn lids(false_share: f64) -> Tolerance {
+pub(crate) const fn lids(false_share: f64) -> Tolerance {
     // Factors are 0 or 1: the shares say it all.
     let why = "lids shadow what lies behind an opening, and what lies inside it";
     Tolerance::Within(Bound { leak_share: 0.0, false_share, rmse: 1.0, penumbra_rmse: 1.0, max: 1.0, why })
@@ -82,7 +89,7 @@ const fn lids(false_share: f64) -> Tolerance {
 
 /// Points of a light: steps in penumbrae, so RMSE is the mean over whole penumbrae or frames. No pixel is wrong by more than
 /// half outside the band, but for a texture's rounding of edges to texels.
-const fn points(rmse: f64, wrong_share: f64) -> Tolerance {
+pub(crate) const fn points(rmse: f64, wrong_share: f64) -> Tolerance {
     let why = "so many points stand for a light; the reference takes 1024";
     let (leak_share, false_share) = (wrong_share, wrong_share);
     // A pixel whose centre is on the edge of something that touches the receiver is wrong altogether, and within the band.
@@ -93,7 +100,7 @@ const fn points(rmse: f64, wrong_share: f64) -> Tolerance {
 const NARROW: Group = &[("scale/1e3", points(0.1, 0.0005)), ("light-far/1e3-m", points(0.1, 0.0005))];
 
 /// Textures whose texels are wider than penumbrae are.
-const fn texels() -> Tolerance {
+pub(crate) const fn texels() -> Tolerance {
     let why = "texels are wider there than penumbrae, or drawn out where light grazes: edges are off by up to half of one";
     let (leak_share, false_share) = (0.002, 0.002);
     Tolerance::Within(Bound { leak_share, false_share, rmse: 0.07, penumbra_rmse: 0.4, max: 1.0, why })
@@ -101,14 +108,14 @@ const fn texels() -> Tolerance {
 
 /// What hides the light from within its sphere does so before points in the ball, or behind them, where the disc has it
 /// the other way round.
-const fn casters_within(rmse: f64) -> Tolerance {
+pub(crate) const fn casters_within(rmse: f64) -> Tolerance {
     let why =
         "a caster within the light's sphere is before some points of the ball that are behind it on the disc";
     let (leak_share, false_share) = (0.02, 0.02);
     Tolerance::Within(Bound { leak_share, false_share, rmse, penumbra_rmse: rmse, max: 1.0, why })
 }
 
-const SOFT: &str = "ShadowVolumeSoft";
+pub(crate) const SOFT: &str = "ShadowVolumeSoft";
 
 /// Sample by sample, and no masks; its factors are computed for each fragment, so that four samples a pixel are refused.
 const fn sampled(setting: &'static str) -> Row {
@@ -116,7 +123,7 @@ const fn sampled(setting: &'static str) -> Row {
     Row { except, ..exact(SOFT, setting) }
 }
 
-const PLANAR: &str = "SoftShadow";
+pub(crate) const PLANAR: &str = "SoftShadow";
 
 const fn planar(setting: &'static str, owes: Tolerance, except: &'static [Group]) -> Row {
     Row { technique: PLANAR, setting, owes, except, accepts_at_least: 240 }
@@ -124,7 +131,7 @@ const fn planar(setting: &'static str, owes: Tolerance, except: &'static [Group]
 
 /// Areas added up, at most so far off: leaks and false shadows as shares of the frame, and the root mean square over frame
 /// and penumbra. Single pixels may be off by anything: a box's whole inside may overlap its lid.
-const fn areas(
+pub(crate) const fn areas(
     leak_share: f64,
     false_share: f64,
     rmse: f64,
@@ -135,17 +142,18 @@ const fn areas(
 }
 
 /// Where layers overlap.
-const LAYERS: &str = "areas add up where casters, or layers of one that is open, overlap before the light";
+pub(crate) const LAYERS: &str =
+    "areas add up where casters, or layers of one that is open, overlap before the light";
 /// Where a face is edge-on to the light's centre.
 const EDGE_ON: &str = "on faces in whose plane the light's centre lies, rounding decides on which side of their own edges \
     the centre is, and half of the light is at stake";
 /// Where silhouettes are not those of the light's centre.
-const FROM_THE_CENTRE: &str = "silhouettes are those of the light's centre, and what of the light lies below the receiver's \
+pub(crate) const FROM_THE_CENTRE: &str = "silhouettes are those of the light's centre, and what of the light lies below the receiver's \
     plane counts as light";
 
 /// Sums of half floats behind transparent casters: nothing is lit or dark that should not be, but factors are off by what
 /// rounding leaves at every step.
-const fn half_sums(rmse: f64) -> Tolerance {
+pub(crate) const fn half_sums(rmse: f64) -> Tolerance {
     let why = "half floats do not cancel what they add, nor what they multiply";
     Tolerance::Within(Bound { leak_share: 0.0, false_share: 0.0, rmse, penumbra_rmse: rmse, max: 0.4, why })
 }
@@ -233,8 +241,11 @@ pub(crate) const ROWS: &[Row] = &[
     },
     // Float counters have no samples: four a pixel are refused.
     Row { except: &[&[("msaa", Tolerance::ExactWhereAccepted)]], ..exact(HARD, "float") },
-    // Masked parts are no counts, which is all that a single pass takes.
-    Row { except: &[&[("alpha-mask", Tolerance::Refused)]], ..exact(HARD, "single") },
+    // Masked parts are no counts, which is all that a single pass takes; and it darkens the picture, other nodes the light.
+    Row {
+        except: &[&[("alpha-mask", Tolerance::Refused), ("turned-from-centre", Tolerance::Refused)]],
+        ..exact(HARD, "single")
+    },
     exact(HARD, "smooth"),
     sampled("default"),
     sampled("samples 16"),

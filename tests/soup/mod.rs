@@ -58,8 +58,14 @@ impl Mask {
     }
 }
 
-/// Corners, and the holes of the material if it has any.
-pub(crate) type BareTriangle = ([DVec3; 3], Option<Mask>);
+/// A triangle that blocks light.
+pub(crate) struct BareTriangle {
+    corners: [DVec3; 3],
+    mask: Option<Mask>,
+    /// Whether it is seen from its front only, and whether a mirroring transform has turned its corners the other way.
+    culled: bool,
+    mirrored: bool,
+}
 
 /// A posed scene as bare triangles, one box for each instance.
 pub(crate) struct Soup {
@@ -100,7 +106,13 @@ impl Soup {
     pub(crate) fn new(posed: &Posed) -> Self {
         let of = |i: &Instance| {
             let opaque = (0..i.mesh.triangle_count()).filter(|t| i.material_of(*t).is_opaque());
-            let triangles = opaque.map(|t| (i.world_triangle(t), Mask::of(posed, i, t))).collect();
+            let bare = |t: usize| BareTriangle {
+                corners: i.world_triangle(t),
+                mask: Mask::of(posed, i, t),
+                culled: !i.material_of(t).double_sided,
+                mirrored: i.world_from_local.matrix3.determinant() < 0.0,
+            };
+            let triangles = opaque.map(bare).collect();
             (i.world_bounds.expanded(i.world_bounds.radius() * 1e-9), triangles)
         };
         let glass = |i: &Instance, triangle: usize| {
@@ -123,18 +135,43 @@ impl Soup {
 
     /// The nearest hit along origin + t·direction with t between the limits, and the triangle's corners.
     pub(crate) fn hit(&self, origin: DVec3, direction: DVec3, limits: [f64; 2]) -> Option<(f64, [DVec3; 3])> {
+        self.nearest(origin, direction, limits, |_| true)
+    }
+
+    /// The same of what an eye sees there: single-sided triangles show their front only.
+    pub(crate) fn seen(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        limits: [f64; 2],
+    ) -> Option<(f64, [DVec3; 3])> {
+        self.nearest(origin, direction, limits, |triangle| {
+            let [a, b, c] = triangle.corners;
+            let faces_eye = (b - a).cross(c - a).dot(direction) < 0.0;
+            !triangle.culled || faces_eye != triangle.mirrored
+        })
+    }
+
+    fn nearest(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        limits: [f64; 2],
+        counts: impl Fn(&BareTriangle) -> bool,
+    ) -> Option<(f64, [DVec3; 3])> {
         let mut best: Option<(f64, [DVec3; 3])> = None;
         for (bounds, triangles) in &self.instances {
             if !bounds.intersects_ray(origin, direction, limits[1]) {
                 continue;
             }
-            for (triangle, mask) in triangles {
-                if let Some((t, weights)) = crossing(triangle, origin, direction)
+            for triangle in triangles {
+                if let Some((t, weights)) = crossing(&triangle.corners, origin, direction)
                     && t > limits[0]
                     && t < best.map_or(limits[1], |b| b.0)
-                    && mask.as_ref().is_none_or(|mask| mask.is_there(weights))
+                    && triangle.mask.as_ref().is_none_or(|mask| mask.is_there(weights))
+                    && counts(triangle)
                 {
-                    best = Some((t, *triangle));
+                    best = Some((t, triangle.corners));
                 }
             }
         }
@@ -158,7 +195,7 @@ impl Soup {
             return Some([0.0; 3]);
         }
         let to_light = light.position.truncate() - point * light.position.w;
-        let end = if light.position.w == 0.0 { f64::INFINITY } else { 1.0 - 1e-9 };
+        let end = if light.position.w == 0.0 { f64::INFINITY } else { 1.0 - 1e-12 };
         let start = if light.position.w == 0.0 { 1e-7 * (1.0 + point.length()) } else { 1e-7 };
         if self.hit(point, to_light, [start, end]).is_some() {
             return Some([0.0; 3]);

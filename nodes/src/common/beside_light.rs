@@ -71,12 +71,7 @@ pub(super) struct Cutter<'a> {
 
 impl<'a> Cutter<'a> {
     /// `None` where the light is nowhere near the caster, whose vertices are at `p_in_world`. The volume is to end at `end`.
-    pub(super) fn new(
-        instance: &Instance,
-        p_in_world: &'a [DVec3],
-        light: DVec4,
-        end: End,
-    ) -> Option<Self> {
+    pub(super) fn new(instance: &Instance, p_in_world: &'a [DVec3], light: DVec4, end: End) -> Option<Self> {
         let bounds: &Aabb = &instance.world_bounds;
         let (radius_m, position) = (bounds.radius(), light.truncate());
         if light.w == 0.0 || bounds.distance(position) > BESIDE * radius_m {

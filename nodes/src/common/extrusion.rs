@@ -74,5 +74,9 @@ pub fn end_beyond(view: &View, light: DVec4, caster: &Aabb) -> End {
     let reach_m = far_m + everything.center().distance(light);
     let distance_m = caster.distance(light);
     // What is flat between directions at right angles comes nearer by up to the square root of 3.
-    if distance_m > BESIDE * caster.radius() { End::Scaled(reach_m / distance_m) } else { End::Reach(2.0 * reach_m) }
+    if distance_m > BESIDE * caster.radius() {
+        End::Scaled(reach_m / distance_m)
+    } else {
+        End::Reach(2.0 * reach_m)
+    }
 }

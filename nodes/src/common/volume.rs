@@ -360,7 +360,9 @@ impl FrontCaps {
             let parts = cut_triangle(cutter, corners);
             match (seen_as, &parts[..]) {
                 // The mesh's own indices, as the visible surface has them.
-                (Some(own), [whole]) if *whole == corners => instance.mesh.triangle(own as usize).map(cap).to_vec(),
+                (Some(own), [whole]) if *whole == corners => {
+                    instance.mesh.triangle(own as usize).map(cap).to_vec()
+                }
                 // The reverse of a triangle is that triangle, counted the other way round.
                 (Some(own), parts) if own != triangle => {
                     parts.iter().flat_map(|[a, b, c]| [cap(*a), cap(*c), cap(*b)]).collect()

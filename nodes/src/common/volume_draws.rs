@@ -121,7 +121,8 @@ pub fn upload(
     );
     let cuts = (!cuts.is_empty()).then(|| {
         let bytes: &[u8] = bytemuck::cast_slice(&cuts);
-        let reason = format!("{} places where edges and faces are cut that the light all but touches", cuts.len());
+        let reason =
+            format!("{} places where edges and faces are cut that the light all but touches", cuts.len());
         let (key, contents) = (hash_of(("cut vertices", bytes)), Arc::new(bytes.to_vec()));
         light.buffer(&format!("cut vertices of {name}"), BufferUsage::Storage, key, contents, &reason)
     });

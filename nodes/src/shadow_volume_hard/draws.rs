@@ -9,11 +9,7 @@ use shadowgraph_engine::shadow::LightPlan;
 use crate::common::volume_draws::{Buffers, Faces, How, Volume, float_state, volume_draws};
 
 /// A shader of this technique's own; its text is checked by a test, so composing it cannot fail.
-pub(super) fn volume_shader(
-    vertex: &'static str,
-    fragment: Option<&'static str>,
-    flags: &[&str],
-) -> Shader {
+pub(super) fn volume_shader(vertex: &'static str, fragment: Option<&'static str>, flags: &[&str]) -> Shader {
     let source = shadowgraph_shaders::compose_named("shadow_volume_hard", flags).unwrap_or_default();
     Shader {
         name: [&["shadow_volume_hard"], flags].concat().join(" ").into(),

@@ -120,11 +120,14 @@ mod tests {
         // The same cuts whichever way a triangle runs along the edge.
         let parts = road.parts([a, b, c], [0, 1, 2]);
         let turned = road.parts([b, a, c], [1, 0, 2]);
-        let area = |parts: &[[DVec3; 3]]| -> DVec3 { parts.iter().map(|[a, b, c]| (b - a).cross(c - a)).sum() };
+        let area =
+            |parts: &[[DVec3; 3]]| -> DVec3 { parts.iter().map(|[a, b, c]| (b - a).cross(c - a)).sum() };
         let whole = (b - a).cross(c - a);
         assert!((area(&parts) - whole).length() < 1e-9 * whole.length());
         assert!((area(&turned) + whole).length() < 1e-9 * whole.length());
-        assert!(parts.iter().flatten().all(|p| [a, b, c].contains(p) || turned.iter().flatten().any(|q| q == p)));
+        assert!(
+            parts.iter().flatten().all(|p| [a, b, c].contains(p) || turned.iter().flatten().any(|q| q == p))
+        );
         assert!(road.cuts(road.center, road.center + DVec3::X).is_empty(), "short edges stay");
     }
 }
