@@ -239,6 +239,8 @@ pub(super) struct CasterChain {
 struct Face {
     /// Unit normal and offset relative to the caster's centre, outwards where only triangles behind count.
     plane: [f32; 4],
+    /// The normal with all digits.
+    normal: DVec3,
     /// How the plane's normal goes with the triangle's own winding: ±1.
     orient: i32,
     /// The light's side of it.
@@ -372,6 +374,7 @@ fn face(
     let normal = (ab / size).cross(ac / size).try_normalize()? * f64::from(orient);
     Some(Face {
         plane: normal.extend(normal.dot(a - center)).as_vec4().to_array(),
+        normal,
         orient,
         light_side: light.side(normal, a),
         near: light.is_near(corners, near_m),
@@ -393,7 +396,6 @@ fn triangle_record(
             even = !even;
         }
     }
-    let normal = Vec3::from_slice(&face.plane).as_dvec3();
     let [a, b, c] = corners;
     let center_side = facing_sign(a, b, c, light.position) * face.orient;
     let mut bits = if even == (face.orient > 0) { 0 } else { TURNED };
@@ -404,7 +406,7 @@ fn triangle_record(
         -1 => CENTER_BEHIND,
         _ => 0,
     };
-    let beside = BesideTriangle::new(sorted.map(|(_, corner)| corner), normal, light);
+    let beside = BesideTriangle::new(sorted.map(|(_, corner)| corner), face.normal, light);
     let [a, b, c] = sorted.map(|(corner, _)| corner.to_array());
     (SoftTriangle { a, caster: 0, b, bits, c, pad_0: 0, plane: face.plane }, beside)
 }
