@@ -172,20 +172,11 @@ fn transmit_counts(in: ClassVaryings) -> @location(0) vec4f {
 // What a sum of binary logarithms is counted in.
 @group(1) @binding(1) var<storage, read> log_unit: array<f32>;
 
-// Equation 3 of Kim, Kim & Turk.
+// Equation 3 of Kim, Kim & Turk, for plain logarithms and for those on a grid, whose sums are exact. At the very edge of a
+// shadow rounding may take one side of a volume to be before what is seen, and not the other: nothing is lit through fewer
+// surfaces than none.
 @fragment
 fn transmit_logarithms(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let sum = textureLoad(sums, vec2u(position.xy), 0).rgb;
-    if all(sum == vec3f(0.0)) {
-        discard;
-    }
-    return vec4f(exp2(sum * log_unit[0]), 1.0);
-}
-
-// The same of logarithms on a grid, whose sums are exact. At the very edge of a shadow rounding may take one side of a
-// volume to be before what is seen, and not the other: nothing is lit through fewer surfaces than none.
-@fragment
-fn transmit_grid(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let sum = textureLoad(sums, vec2u(position.xy), 0).rgb;
     if all(sum >= vec3f(0.0)) {
         discard;
@@ -193,7 +184,8 @@ fn transmit_grid(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return vec4f(exp2(min(sum, vec3f(0.0)) * log_unit[0]), 1.0);
 }
 
-// Their equation 2. A product that left the format's range is no number any more: it counts as dark.
+// Their equation 2. A product that left the format's range is no number any more: it counts as dark. Nothing is lit through
+// fewer surfaces than none, here either.
 @fragment
 fn transmit_product(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let product = textureLoad(sums, vec2u(position.xy), 0).rgb;
@@ -201,5 +193,5 @@ fn transmit_product(@builtin(position) position: vec4f) -> @location(0) vec4f {
         discard;
     }
     let is_number = (bitcast<vec3u>(product) & vec3u(0x7f800000u)) != vec3u(0x7f800000u);
-    return vec4f(select(vec3f(0.0), product, is_number), 1.0);
+    return vec4f(select(vec3f(0.0), min(product, vec3f(1.0)), is_number), 1.0);
 }

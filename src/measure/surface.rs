@@ -7,15 +7,11 @@
 //! line slips between them, whichever way each of them runs along the edge.
 
 use glam::{DVec3, DVec4};
-use shadowgraph_engine::math::{Aabb, orient_sign};
+use shadowgraph_engine::math::{Aabb, POSITION_EPSILON, facing_sign, orient_sign};
 use shadowgraph_engine::scene::{Instance, Material, Posed};
 
 use super::holes::Mask;
 use super::reference::Hit;
-
-/// The error of a world position, relative to the largest coordinate around: an f32 position under an f64 transform
-/// loses about 4·2⁻⁵³ in each coordinate, and a determinant of differences feels it at most 2√3 times in each factor.
-const POSITION_EPSILON: f64 = 4e-15;
 
 /// A ray does not hit a triangle when the determinant of two edges and the ray's direction is below this share of their
 /// lengths' product: it looks along the triangle, or the triangle is a needle. Where it would hit is then decided by
@@ -134,7 +130,7 @@ impl Triangle {
     /// On which side of the triangle's plane `position` lies, a point or a direction: the facing sign.
     pub(super) fn facing(&self, position: DVec4) -> i32 {
         let [a, b, c] = self.corners;
-        orient_sign(b - a, c - a, position.truncate() - a * position.w)
+        facing_sign(a, b, c, position)
     }
 
     /// On which side of the triangle's plane `point` lies; 0 also when the rounding of positions around

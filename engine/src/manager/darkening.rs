@@ -38,6 +38,10 @@ impl Assembly<'_> {
 
     /// Darkens the finished picture by the factor that the passes of `part` leave for `light`.
     pub(super) fn darken_by(&mut self, light: &str, part: Part) {
+        // Nothing that could cast was in view.
+        if part.layer.is_none() && !part.is_counted() {
+            return;
+        }
         self.passes_of(&part, light);
         let reason = format!("the finished picture is darkened where {light} is blocked");
         let draw = match part.layer {

@@ -9,6 +9,6 @@ mod plane;
 mod projection;
 
 pub use bounds::Aabb;
-pub use orient::{ORIENT_EPSILON, facing_sign, orient_sign};
+pub use orient::{ORIENT_EPSILON, POSITION_EPSILON, facing_sign, orient_sign};
 pub use plane::Plane;
 pub use projection::{Projection, ViewFrustum};

@@ -27,10 +27,20 @@ pub fn orient_sign(ab: DVec3, ac: DVec3, d: DVec3) -> i32 {
     if det.abs() > ORIENT_EPSILON * permanent { if det > 0.0 { 1 } else { -1 } } else { 0 }
 }
 
+/// What a world position has lost, relative to the largest coordinate around: an f32 position under an f64 transform loses
+/// about 4·2⁻⁵³ in each coordinate, and a determinant of differences feels it at most 2√3 times in each factor.
+pub const POSITION_EPSILON: f64 = 4e-15;
+
 /// The facing sign s_T of triangle (a, b, c) towards the homogeneous `light` (l, w): w = 1 a point at l, w = 0 a
-/// direction l *towards* the light. +1: the light sees the triangle counter-clockwise; 0: edge-on or no area.
+/// direction l *towards* the light. +1: the light sees the triangle counter-clockwise; 0: edge-on or no area, or a point so
+/// near to the triangle's plane that positions, which have lost [`POSITION_EPSILON`] of their coordinates, do not tell.
 pub fn facing_sign(a: DVec3, b: DVec3, c: DVec3, light: DVec4) -> i32 {
-    orient_sign(b - a, c - a, light.truncate() - a * light.w)
+    let (ab, ac, d) = (b - a, c - a, light.truncate() - a * light.w);
+    // A point next to a corner has a difference from it of which few digits are left.
+    let coordinate = a.abs().max(light.truncate().abs()).max_element() * light.w;
+    let normal = ab.cross(ac);
+    let lost = POSITION_EPSILON * coordinate * normal.length();
+    if normal.dot(d).abs() <= lost { 0 } else { orient_sign(ab, ac, d) }
 }
 
 #[cfg(test)]

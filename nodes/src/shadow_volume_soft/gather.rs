@@ -98,7 +98,7 @@ pub(super) struct Gathered {
 }
 
 /// Everything about a light's casters that does not depend on the eye.
-struct Chains {
+pub(super) struct Chains {
     edges: Arc<Vec<u8>>,
     triangles: Arc<Vec<u8>>,
     /// Triangles as the light sees them, where it is beside some caster; else empty.
@@ -273,8 +273,8 @@ impl ShadowVolumeSoft {
         Ok(if self.quality == Quality::PerReceiver && !eye_inside { Half::Unlit } else { Half::Both })
     }
 
-    /// Adds what the shaders read to the plan.
-    fn bind(
+    /// Adds what the shaders read to the plan; without casters, what is left is the light itself.
+    pub(super) fn bind(
         &self,
         light: &mut LightPlan<'_>,
         chains: Option<(&Chains, u64)>,

@@ -28,16 +28,30 @@ use super::marked::mark_and_ask;
 impl ShadowVolumeSoft {
     pub(super) fn plan_per_receiver(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
         let gathered = self.gather(light)?;
+        self.ask(light, gathered);
+        Ok(())
+    }
+
+    /// Adds what receivers see of the light beyond their horizon, whatever casts: nothing to ask of transparent surfaces, which
+    /// have none.
+    pub(super) fn plan_horizon(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+        if light.layer().is_none() {
+            let gathered = self.bind(light, None)?;
+            self.ask(light, gathered);
+        }
+        Ok(())
+    }
+
+    fn ask(&self, light: &mut LightPlan<'_>, gathered: Gathered) {
         let flags = flags_of(&gathered);
         let Gathered { bindings, casters, edges, triangles, .. } = gathered;
         if light.view.receiver_bounds.is_empty() {
-            return Ok(());
+            return;
         }
         let name = light.light().name.clone();
         let shaders = ["mark", "per_receiver"].map(|fragment| shader(&flags, fragment));
         let reason = format!("what {casters} casters cover of {name}, by areas");
         mark_and_ask(light, bindings, shaders, (reason, format!("{edges} edges, {triangles} triangles")));
-        Ok(())
     }
 }
 

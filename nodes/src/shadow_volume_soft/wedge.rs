@@ -105,7 +105,7 @@ impl ShadowVolumeSoft {
         if let Some(layers) = self.hard().count_layers(light)? {
             add_shares(light, &layers, self.size());
         }
-        Ok(())
+        self.plan_horizon(light)
     }
 }
 

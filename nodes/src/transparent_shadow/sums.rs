@@ -61,9 +61,7 @@ pub(super) fn add_up(
                 Arc::new(bytes),
                 reason,
             );
-            let fragment =
-                if accumulate == Accumulate::GridLog { "transmit_grid" } else { "transmit_logarithms" };
-            (draws, 0.0, fragment, Some((1, Binding::Storage(slot))))
+            (draws, 0.0, "transmit_logarithms", Some((1, Binding::Storage(slot))))
         }
     };
     let what = if empty == 0.0 { "logarithms" } else { "products" };
