@@ -172,7 +172,7 @@ impl How {
     /// See [`DrawState::depth_bias`].
     pub fn depth_bias(&self) -> i32 {
         match self.caps {
-            None => -SIDE_BIAS,
+            None => 0,
             Some(Caps::Behind) => -CAP_BIAS,
             Some(Caps::Ahead) => CAP_BIAS,
         }
@@ -186,8 +186,6 @@ impl How {
 /// before by more than that, the measures' own constant. A bias with a share of the slope would hold for steeper views, but a
 /// cap and a side that meet at an edge would no longer agree there.
 const CAP_BIAS: i32 = 64;
-/// The same of sides, which are far in front only where they are long: less does, and more would swallow short ones.
-const SIDE_BIAS: i32 = 16;
 
 /// Where caps are drawn, by what depth cannot tell apart: what lies in a cap's own plane is never in its shadow.
 #[derive(Clone, Copy, Debug, PartialEq)]
