@@ -226,7 +226,6 @@ fn lights_with_a_size_are_judged_on_layers() {
 
 /// Where the lamp dips below a pane's own plane, light passes the pane: no part of it is dark by itself.
 #[test]
-#[ignore = "known issue: ShadowVolumeSoft darkens what lies beyond a transparent layer's own horizon"]
 fn a_lamp_that_dips_below_a_pane_lights_it_all_the_same() {
     for slope in [3.0, -5.0] {
         check_under_wide_lamp(slope);

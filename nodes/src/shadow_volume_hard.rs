@@ -12,9 +12,11 @@
 //! *What differs here.*
 //! - Facing is decided once per triangle, in f64, on the CPU; silhouettes are kept until caster or light move.
 //! - z-pass or z-fail is chosen per caster; both count in the same stencil.
-//! - Front caps have the very depth of the visible surface (same vertices, same order, same function), and equal
-//!   depth counts as "not in front": no bias anywhere.
-//! - Vertices are extruded along vertex − light computed in two-float precision, so that a light may touch a caster.
+//! - Front caps are rasterised as the visible surface is (same vertices, same order, same function), and lie behind it by what
+//!   depth cannot tell apart: what lies in a receiver's own plane casts nothing on it, however it is tessellated. Nothing
+//!   is biased by more than that.
+//! - Vertices are extruded along vertex − light computed in two-float precision, so that a light may touch a caster. Edges and
+//!   faces that a light all but touches are cut where they pass it: see [`crate::common::beside_light`].
 //! - Sides end on one plane behind everything that can receive, where that is exact.
 //! - Alpha-masked triangles cast texel by texel, into the light's visibility: see [`crate::common::masked`].
 //! - Counts of any size stay exact in the 8-bit stencil: see [`crate::common::layer_groups`]; or in a float target.
@@ -22,8 +24,9 @@
 //! This file says what is chosen and why; `options` how it is asked for, `draws` how it is drawn.
 //!
 //! *Limits.* Blended casters cast through coloured techniques. Rasterisation snaps
-//! vertices to 1/256 pixel, so pixels whose centre is that near a shadow edge may fall to either side. A light nearer to
-//! a caster than about 10⁻⁵ of its size, but not touching it, sees edges span half circles: single pixels go wrong.
+//! vertices to 1/256 pixel, so pixels whose centre is that near a shadow edge may fall to either side; so may they at the edge of
+//! a sheet in the receiver's own plane that is seen at a grazing angle. Triangles thinner than a pixel that pass the eye
+//! are rasterised with fewer digits than z-fail needs of them.
 
 mod draws;
 mod float_counts;
@@ -54,8 +57,8 @@ pub use options::{
 /// The errors that are left by design, in words that can be put together.
 macro_rules! rounding {
     () => {
-        "rasterisation: pixels whose centre is within 1/256 pixel of a shadow edge; and lights nearer to a caster than \
-         1e-5 of its size without touching it"
+        "rasterisation: pixels whose centre is within 1/256 pixel of a shadow edge, or of a sheet's edge in the receiver's \
+         own plane"
     };
 }
 macro_rules! caps {

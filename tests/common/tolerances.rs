@@ -386,42 +386,8 @@ pub(crate) struct Known {
     pub(crate) why: &'static str,
 }
 
-const ALMOST_TOUCHING: &str = "a lamp nearer to a caster than about 1e-5 of its size, but not touching it: seen from there \
-    an edge of one metre spans all but some roundings of a half circle, and extruded directions, f32 in view space, \
-    lose what is left of it. The cure would be to split such edges before they are extruded";
-
 /// Every known issue. One that is no longer wrong anywhere has to be struck out.
-pub(crate) const KNOWN: &[Known] = &[
-    Known {
-        technique: HARD,
-        settings: &[
-            "default",
-            "z-pass",
-            "z-fail",
-            "open",
-            "infinite",
-            "backfaces",
-            "cap",
-            "float",
-            "single",
-            "smooth",
-        ],
-        cases: &["light-near-edge/1e-7-m", "light-near-edge/1e-6-m", "light-near-edge/1e-5-m"],
-        why: ALMOST_TOUCHING,
-    },
-    Known {
-        technique: TRANSPARENT,
-        settings: &["default", "grid-log", "log16", "product16", "log32", "product32"],
-        cases: &["light-near-edge/1e-7-m", "light-near-edge/1e-6-m", "light-near-edge/1e-5-m"],
-        why: ALMOST_TOUCHING,
-    },
-    Known {
-        technique: HARD,
-        settings: &["z-fail", "infinite"],
-        cases: &["light-near-face/1e-7-m", "light-near-face/1e-6-m"],
-        why: ALMOST_TOUCHING,
-    },
-];
+pub(crate) const KNOWN: &[Known] = &[];
 
 /// What is known to be wrong on hard cases.
 pub(crate) const KNOWN_ON_CASES: &[Known] = &[

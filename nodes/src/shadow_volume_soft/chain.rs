@@ -276,7 +276,8 @@ impl CasterChain {
         for (number, (vertices, sign)) in topology.triangles().iter().zip(&signs).enumerate() {
             let orient = orientation.as_ref().map_or(1, |orientation| i32::from(orientation.sign(number)));
             let corners = vertices.map(|vertex| in_world[vertex as usize]);
-            let face = if *sign == 0 || orient == 0 { None } else { face(corners, center, orient, (light, near_m)) };
+            let face =
+                if *sign == 0 || orient == 0 { None } else { face(corners, center, orient, (light, near_m)) };
             if let Some(face) = &face {
                 let hides_center = match half {
                     Half::Both => true,
@@ -360,12 +361,7 @@ fn rounded(p: DVec3) -> Vec3 {
     p.as_vec3() + 0.0
 }
 
-fn face(
-    corners: [DVec3; 3],
-    center: DVec3,
-    orient: i32,
-    (light, near_m): (&LightBall, f64),
-) -> Option<Face> {
+fn face(corners: [DVec3; 3], center: DVec3, orient: i32, (light, near_m): (&LightBall, f64)) -> Option<Face> {
     let [a, b, c] = corners;
     // The product of two edges from the corner between the shorter ones is the least rounded; scaled, so that tiny
     // triangles keep theirs.

@@ -40,11 +40,11 @@ struct CutVertex {
 const FIRST_CUT: u32 = 0x20000000u;
 #endif
 
-// Sides lie 16 roundings behind where they are, or less: more would lose what is in shadow right behind a short side. The side that hangs from an edge of a visible, lit triangle lies
-// behind that triangle, but next to the edge by less than rounding can tell, and a side mistaken to be in front could
-// cancel another caster's count. (For a triangle turned away from the light it lies in front; but such a surface is dark
-// whatever the count.) Caps are moved by the draw's depth bias, once their depth is interpolated: from the corners of the
-// visible surface, in its order, they have its very depth until then.
+// Sides lie 16 roundings behind where they are, or less: more would lose what is dark right behind a short side. The side that
+// hangs from an edge of a visible, lit triangle lies behind that triangle, but next to the edge by less than rounding can
+// tell, and a side mistaken to be in front could cancel another caster's count. (For a triangle turned away from the light
+// it lies in front; but such a surface is dark whatever the count.) Caps are moved by the draw's depth bias, once their
+// depth is interpolated: from the corners of the visible surface, in its order, they have its very depth until then.
 const SIDE_SHIFT: f32 = 9.5367431640625e-7;
 
 // Four roundings before the surface: for sides that begin at a visible triangle which is not to be behind them by chance.
