@@ -21,6 +21,7 @@
 //! *Limits.* Alpha-masked casters are refused; blended ones cast through coloured techniques.
 
 mod chain;
+mod chains;
 mod clusters;
 mod gather;
 mod lists;
