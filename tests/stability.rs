@@ -18,11 +18,7 @@ use shadowgraph::prelude::*;
 
 /// What is known about a trial.
 fn known(trial: &Trial) -> Option<&'static Known> {
-    KNOWN.iter().find(|known| {
-        known.technique == trial.technique
-            && known.settings.contains(&trial.setting)
-            && known.cases.contains(&trial.case.as_str())
-    })
+    KNOWN.iter().find(|known| known.is_about(trial.technique, trial.setting, &trial.case))
 }
 
 fn row(trial: &Trial) -> String {

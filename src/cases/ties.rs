@@ -47,9 +47,10 @@ pub(super) fn level(half: f32, y: f32) -> [Vec3; 4] {
     [v(-half, y, half), v(half, y, half), v(half, y, -half), v(-half, y, -half)]
 }
 
-/// A plane that is level in neither direction, and whose corners f32 rounds off it.
+/// A plane that is level in neither direction. Its corners and halves are binary fractions: with others, f32 would round corners
+/// off the plane, and another tessellation of them would be another surface, which shadows and is shadowed by 1e-8 m.
 pub(super) fn tilted(half: f32) -> [Vec3; 4] {
-    let y = |x: f32, z: f32| 1.0 + 0.2 * x - 0.3 * z;
+    let y = |x: f32, z: f32| 1.0 + 0.25 * x - 0.25 * z;
     level(half, 0.0).map(|corner| v(corner.x, y(corner.x, corner.z), corner.z))
 }
 
@@ -118,11 +119,11 @@ fn both_sides(corners: [Vec3; 4], [front, back]: [Cut; 2]) -> MeshData {
 pub(super) fn two_sided_leaf() -> Vec<Stage> {
     let leaf = |name: &str, back: Cut| {
         let stage = Stage::small(name).floor().eye(p(-3.0, 4.5, 4.0), p(0.0, 0.5, 0.0));
-        stage.culled(both_sides(tilted(0.8), [Cut::First, back]))
+        stage.culled(both_sides(tilted(0.75), [Cut::First, back]))
     };
     // On the leaf, and on the floor behind it.
     let judged =
-        |stage: Stage| stage.lit(&[p(0.3, 1.03, 0.1), p(-0.5, 0.99, -0.3)]).dark(&[p(-0.8, 0.0, -0.2)]);
+        |stage: Stage| stage.lit(&[p(0.3, 1.05, 0.1), p(-0.5, 0.95, -0.3)]).dark(&[p(-0.8, 0.0, -0.2)]);
     let lamp = p(1.0, 3.0, 2.0);
     let turned = turned_at(p(0.0, 1.2, 0.0));
     vec![
@@ -130,7 +131,7 @@ pub(super) fn two_sided_leaf() -> Vec<Stage> {
         judged(leaf("corners-turned", Cut::Turned).point(lamp)),
         judged(leaf("other-diagonal", Cut::Other).point(lamp)),
         judged(leaf("fan", Cut::Fan).point(lamp)),
-        judged(leaf("grid", Cut::Grid(2, 3)).point(lamp)),
+        judged(leaf("grid", Cut::Grid(2, 4)).point(lamp)),
         leaf("sun-ortho", Cut::Other).sun(p(-0.3, -1.0, -0.5)).ortho(2.2, 0.1, 30.0),
         Stage::small("turned-by-node")
             .floor()

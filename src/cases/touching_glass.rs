@@ -43,8 +43,8 @@ pub(super) fn glass_on_floor() -> Vec<Stage> {
         stage("turned-in-plane").rose_at(pane(Cut::Turned), DAffine3::from_rotation_y(0.4)).point(LAMP),
         Stage::small("tilted-board")
             .floor()
-            .caster(patch(tilted(0.8), Cut::First))
-            .rose(patch(tilted(0.8), Cut::Turned))
+            .caster(patch(tilted(0.75), Cut::First))
+            .rose(patch(tilted(0.75), Cut::Turned))
             .point(p(1.0, 4.0, 2.0))
             .eye(p(-3.0, 4.5, 4.0), p(0.0, 0.5, 0.0))
             .lit(&[p(0.3, 1.03, 0.1)]),

@@ -380,10 +380,20 @@ pub(crate) struct Known {
     pub(crate) technique: &'static str,
     /// The settings.
     pub(crate) settings: &'static [&'static str],
-    /// Full names of cases or steps.
+    /// Full names of cases or steps, or the ids of all variants of a case.
     pub(crate) cases: &'static [&'static str],
     /// Why, and what the cure would be.
     pub(crate) why: &'static str,
+}
+
+impl Known {
+    /// Whether it is about this technique, setting and case.
+    pub(crate) fn is_about(&self, technique: &str, setting: &str, case: &str) -> bool {
+        let id = case.split('/').next().unwrap_or_default();
+        self.technique == technique
+            && self.settings.contains(&setting)
+            && (self.cases.contains(&case) || self.cases.contains(&id))
+    }
 }
 
 /// Every known issue. One that is no longer wrong anywhere has to be struck out.
@@ -403,4 +413,67 @@ pub(crate) const KNOWN_ON_CASES: &[Known] = &[
         cases: &["1x1/64x1"],
         why: "half of one pixel of 52 is more than the bound for whole frames",
     },
+    Known {
+        technique: HARD,
+        settings: &["z-fail", "cap"],
+        cases: THIN_STRIPS,
+        why: "triangles thinner than a pixel that pass the eye: what is cut at the near plane keeps too few digits for a cap and \
+              the surface under it to agree, and z-fail (lids: the caps that close them) counts such a cap as before it",
+    },
+    Known {
+        technique: SOFT,
+        settings: &["default", "samples 16", "samples 256", "per-receiver", "wedge"],
+        cases: THIN_STRIPS,
+        why: "triangles thinner than a pixel: snapped corners tilt what is seen of them off their own plane by more than the \
+              shader allows for, and single pixels are in their own shadow",
+    },
+    Known {
+        technique: SOFT,
+        settings: &["per-receiver"],
+        cases: &["soft-lamp-on-edge", "soft-lamp-on-corner"],
+        why: "areas of a disc of a micrometre keep few digits, and on the edge of the light's own sphere no bound of areas holds",
+    },
+    Known {
+        technique: HARD,
+        settings: EVERY_HARD,
+        cases: &["wide-band/lamp-1e-6-over-floor"],
+        why: BAND_220_OF_208,
+    },
+    Known {
+        technique: TRANSPARENT,
+        settings: EVERY_TRANSPARENT,
+        cases: &["wide-band/lamp-1e-6-over-floor"],
+        why: BAND_220_OF_208,
+    },
+    Known {
+        technique: "Reference",
+        settings: &["default"],
+        cases: &["wide-band/lamp-1e-6-over-floor"],
+        why: BAND_220_OF_208,
+    },
+    Known {
+        technique: "Reference",
+        settings: &["default"],
+        cases: &["turned-from-centre"],
+        why: "beside a node for a light with a size it darkens what turns away from the light's centre, as if it were alone",
+    },
+    Known {
+        technique: PLANAR,
+        settings: &["default", "64 samples", "256 samples", "texture"],
+        cases: &["turned-from-centre"],
+        why: "beside another node for a light with a size, both leave out what is beyond the horizon, where one should",
+    },
+    Known {
+        technique: HARD,
+        settings: &["smooth"],
+        cases: &["turned-from-centre/with-a-box-on-it"],
+        why: "casts from the far side, and one pixel there sees a part of the light",
+    },
 ];
+
+const EVERY_HARD: &[&str] =
+    &["default", "z-pass", "z-fail", "open", "infinite", "backfaces", "cap", "float", "single", "smooth"];
+const EVERY_TRANSPARENT: &[&str] = &["default", "grid-log", "log16", "product16", "log32", "product32"];
+const BAND_220_OF_208: &str = "nothing is wrong outside the band, which holds 220 pixels on a boundary of 64 (208 may be): a lamp a \
+    micrometre over a floor lights all of it at grazing angles";
+const THIN_STRIPS: &[&str] = &["strip-500m", "strip-5km", "road-50km", "stretched-at-grazing"];

@@ -1,5 +1,6 @@
 //! From volumes to draws: the buffers of one light, which runs of indices a view demands, and what each of them counts.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use shadowgraph_engine::geometry::GroupMember;
@@ -239,15 +240,16 @@ pub fn runs(volume: &Volume<'_>, indices: &VolumeIndices) -> Vec<Run> {
             wanted.extend(front_caps.map(|(run, how)| (run, How { faces: Faces::Entering, ..how })));
         }
     } else if volume.falls_on_itself {
-        let entering = |how| How { faces: Faces::Entering, ..how };
-        let leaving = |how| How { faces: Faces::Leaving, caps: Some(Caps::Ahead), ..how };
-        wanted.extend(front_caps.map(|(run, how)| (run, entering(how))));
-        wanted.extend(front_caps.map(|(run, how)| (run, leaving(how))));
+        wanted.extend(front_caps.into_iter().flat_map(entered_and_left));
     } else if volume.z_fail || volume.hidden_caps_count {
         wanted.extend(front_caps);
     }
-    wanted.push((&indices.unseen_caps, How::caps(1)));
-    wanted.push((&indices.unseen_caps_turned, How::caps(-1)));
+    let unseen = [(&indices.unseen_caps, How::caps(1)), (&indices.unseen_caps_turned, How::caps(-1))];
+    if volume.falls_on_itself {
+        wanted.extend(unseen.into_iter().flat_map(entered_and_left));
+    } else {
+        wanted.extend(unseen);
+    }
     let mut joined: Vec<Run> = Vec::new();
     for (range, how) in wanted {
         match joined.last_mut() {
@@ -257,6 +259,12 @@ pub fn runs(volume: &Volume<'_>, indices: &VolumeIndices) -> Vec<Run> {
     }
     joined.retain(|run| run.start < run.end);
     joined
+}
+
+/// Caps by which the view enters a volume, behind themselves; and those by which it leaves one, ahead.
+fn entered_and_left((run, how): (&Range<u32>, How)) -> [(&Range<u32>, How); 2] {
+    let left = How { faces: Faces::Leaving, caps: Some(Caps::Ahead), ..how };
+    [(run, How { faces: Faces::Entering, ..how }), (run, left)]
 }
 
 /// The draws of one volume, each with the shader (of these flags) and state that `counting` says for how it counts.
