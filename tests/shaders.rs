@@ -76,7 +76,6 @@ const USED: &[(&str, &[&str], &[&str])] = &[
             "divide_back",
             "transmit_counts",
             "transmit_logarithms",
-            "transmit_grid",
             "transmit_product",
         ],
     ),

@@ -35,9 +35,11 @@ mod overlap;
 mod points;
 mod receivers;
 
+use shadowgraph_engine::math::POSITION_EPSILON;
 use shadowgraph_engine::scene::{Instance, Params};
-use shadowgraph_engine::shadow::{LightPlan, LightSize, ShadowError, ShadowTechnique};
+use shadowgraph_engine::shadow::{LightPlan, LightSize, ShadowError, ShadowTechnique, hash_of};
 
+use crate::common::beside_light::distance_to_triangle;
 use canvas::Canvas;
 pub use canvas::{PlanarLight, PlanarTexture, planar_layouts};
 use casters::Casters;
@@ -83,6 +85,7 @@ impl ShadowTechnique for SoftShadow {
     }
 
     fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+        self.refuse_lamps_beside_casters(light)?;
         light.tint(self.weight, self.color);
         let receivers = Receiver::all(light)?;
         let lit: Vec<Lit> = receivers.iter().map(|receiver| Lit::new(self, light, receiver)).collect();
@@ -130,7 +133,44 @@ impl Lit {
     }
 }
 
+/// A lamp without a size that is nearer to a caster than this share of the caster's radius, and does not touch it, projects its
+/// edges to lines of which f32 cannot tell the direction.
+const BESIDE: f64 = 1e-4;
+
 impl SoftShadow {
+    /// Refuses what a projection cannot tell.
+    fn refuse_lamps_beside_casters(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+        let position = light.light().position;
+        if position.w == 0.0 || self.light_size().is_wide(position) {
+            return Ok(());
+        }
+        let (lamp, bits) = (position.truncate(), position.to_array().map(f64::to_bits));
+        for (_, instance) in light.casters() {
+            let radius_m = instance.world_bounds.radius();
+            if instance.world_bounds.distance(lamp) >= BESIDE * radius_m {
+                continue;
+            }
+            let key = hash_of(("distance of a lamp", instance.pose_key, bits));
+            let distance_m = *light.cache.get_or_compute("distance of a lamp", key, || {
+                let triangles = 0..instance.mesh.triangle_count();
+                let distances = triangles.map(|t| distance_to_triangle(lamp, instance.world_triangle(t)));
+                // What it touches but for the rounding of positions, it touches.
+                let touched_m = POSITION_EPSILON * (lamp.abs().max_element() + radius_m);
+                distances.filter(|distance_m| *distance_m > touched_m).fold(f64::INFINITY, f64::min)
+            });
+            if distance_m < BESIDE * radius_m {
+                return Err(light.unsupported(format!(
+                    "'{}' is {distance_m:.1e} m from '{}', beside it but not on it, and has no size (accepted: a lamp \
+                     on it, or {:.1e} m and more from it)",
+                    light.light().name,
+                    instance.name,
+                    BESIDE * radius_m
+                )));
+            }
+        }
+        Ok(())
+    }
+
     /// The shadow on one plane.
     fn shade(&self, light: &mut LightPlan<'_>, receiver: &Receiver, lit: &Lit) {
         // Of what is dark as a whole there is nothing to keep.

@@ -56,6 +56,26 @@ const TAME: Widest = Widest { cosine: -0.99, near_face: 1e-2 };
 const RIGHT_ANGLE: Widest = Widest { cosine: 0.0, near_face: f64::INFINITY };
 /// Corners this near to the lamp are handed over as directions, in shares of the caster's radius.
 const NEAR_CORNER: f64 = 1e-3;
+/// How near the segment from `a` to `b` comes to `point`.
+pub fn distance_to_segment(point: DVec3, a: DVec3, b: DVec3) -> f64 {
+    let (to_a, along) = (a - point, b - a);
+    let t = (-to_a.dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    (to_a + along * t).length()
+}
+
+/// How near a triangle comes to `point`.
+pub fn distance_to_triangle(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+    let normal = (b - a).cross(c - a);
+    let above = |p: DVec3, q: DVec3| normal.cross(q - p).dot(point - p) >= 0.0;
+    if above(a, b) && above(b, c) && above(c, a) && normal != DVec3::ZERO {
+        return normal.normalize().dot(point - a).abs();
+    }
+    [(a, b), (b, c), (c, a)]
+        .map(|(p, q)| distance_to_segment(point, p, q))
+        .into_iter()
+        .fold(f64::INFINITY, f64::min)
+}
+
 /// Cuts the edges and triangles of one caster.
 pub(super) struct Cutter<'a> {
     p_in_world: &'a [DVec3],

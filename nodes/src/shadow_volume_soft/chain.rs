@@ -22,6 +22,7 @@ use shadowgraph_engine::math::facing_sign;
 use shadowgraph_engine::scene::Instance;
 
 use super::stretched::Stretched;
+use crate::common::beside_light::{distance_to_segment, distance_to_triangle};
 use crate::common::volume::{CastShape, Half};
 
 /// An edge in four texels: see soft_light.wgsl.
@@ -106,29 +107,14 @@ impl LightBall {
 
     /// How near the segment from `a` to `b` comes to the centre; infinite for directional lights.
     pub(super) fn distance_to_segment(&self, a: DVec3, b: DVec3) -> f64 {
-        if self.position.w == 0.0 {
-            return f64::INFINITY;
-        }
-        let (to_a, along) = (a - self.position.truncate(), b - a);
-        let t = (-to_a.dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        (to_a + along * t).length()
+        let is_point = self.position.w > 0.0;
+        if is_point { distance_to_segment(self.position.truncate(), a, b) } else { f64::INFINITY }
     }
 
     /// How near a triangle comes to the centre; infinite for directional lights.
-    pub(super) fn distance_to_triangle(&self, [a, b, c]: [DVec3; 3]) -> f64 {
-        if self.position.w == 0.0 {
-            return f64::INFINITY;
-        }
-        let center = self.position.truncate();
-        let normal = (b - a).cross(c - a);
-        let above = |p: DVec3, q: DVec3| normal.cross(q - p).dot(center - p) >= 0.0;
-        if above(a, b) && above(b, c) && above(c, a) && normal != DVec3::ZERO {
-            return normal.normalize().dot(center - a).abs();
-        }
-        [(a, b), (b, c), (c, a)]
-            .map(|(p, q)| self.distance_to_segment(p, q))
-            .into_iter()
-            .fold(f64::INFINITY, f64::min)
+    pub(super) fn distance_to_triangle(&self, corners: [DVec3; 3]) -> f64 {
+        let is_point = self.position.w > 0.0;
+        if is_point { distance_to_triangle(self.position.truncate(), corners) } else { f64::INFINITY }
     }
 
     /// Whether a triangle is left out of the chain: it comes within `near_m` of the light, or it is seen from there so wide
