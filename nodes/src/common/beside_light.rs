@@ -56,6 +56,7 @@ const TAME: Widest = Widest { cosine: -0.99, near_face: 1e-2 };
 const RIGHT_ANGLE: Widest = Widest { cosine: 0.0, near_face: f64::INFINITY };
 /// Corners this near to the lamp are handed over as directions, in shares of the caster's radius.
 const NEAR_CORNER: f64 = 1e-3;
+
 /// How near the segment from `a` to `b` comes to `point`.
 pub fn distance_to_segment(point: DVec3, a: DVec3, b: DVec3) -> f64 {
     let (to_a, along) = (a - point, b - a);

@@ -18,7 +18,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, DVec4, Vec3};
-use shadowgraph_engine::math::facing_sign;
+use shadowgraph_engine::math::{Aabb, facing_sign};
 use shadowgraph_engine::scene::Instance;
 
 use super::stretched::Stretched;
@@ -93,12 +93,15 @@ impl LightBall {
         if height > 0.0 { 1 } else { -1 }
     }
 
-    /// Whether the light is beside a caster of this radius, and within which distance triangles are asked one by one.
-    fn beside(&self, triangles: &[[u32; 3]], in_world: &[DVec3], radius_m: f64) -> (bool, f64) {
+    /// Whether the light is beside a caster within `bounds`, and within which distance triangles are asked one by one.
+    fn beside(&self, triangles: &[[u32; 3]], in_world: &[DVec3], bounds: &Aabb) -> (bool, f64) {
+        let radius_m = bounds.radius();
         let near_m = NEAR * self.radius;
         let is_small = self.radius < BESIDE * radius_m;
         let limit_m = if is_small { BESIDE_SMALL } else { BESIDE } * radius_m;
+        // Most lights are far from all of it: no triangle need be asked.
         let is_beside = self.position.w > 0.0
+            && bounds.distance(self.position.truncate()) < limit_m
             && triangles.iter().any(|corners| {
                 self.distance_to_triangle(corners.map(|vertex| in_world[vertex as usize])) < limit_m
             });
@@ -256,7 +259,7 @@ impl CasterChain {
             }
             _ => None,
         };
-        let (beside, near_m) = light.beside(topology.triangles(), &in_world, instance.world_bounds.radius());
+        let (beside, near_m) = light.beside(topology.triangles(), &in_world, &instance.world_bounds);
         let mut chain = Self { center, beside, ..Self::default() };
         let mut faces: Vec<Option<Face>> = Vec::with_capacity(signs.len());
         for (number, (vertices, sign)) in topology.triangles().iter().zip(&signs).enumerate() {
