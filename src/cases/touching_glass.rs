@@ -47,7 +47,7 @@ pub(super) fn glass_on_floor() -> Vec<Stage> {
             .rose(patch(tilted(0.75), Cut::Turned))
             .point(p(1.0, 4.0, 2.0))
             .eye(p(-3.0, 4.5, 4.0), p(0.0, 0.5, 0.0))
-            .lit(&[p(0.3, 1.03, 0.1)]),
+            .lit(&[p(0.3, 1.05, 0.1)]),
         Stage::small("turned-board")
             .floor()
             .caster_at(patch(level(0.7, 0.0), Cut::First), turned)
