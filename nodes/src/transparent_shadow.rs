@@ -71,8 +71,8 @@ impl ShadowTechnique for TransparentShadow {
                  that are not quite lit; they depend on the order of drawing"
             }
             Accumulate::Product16 => {
-                "half-float products do not cancel, and leave the range of half floats: behind some dozen surfaces the \
-                 factor may be anything; surfaces that let less than 6e-5 pass are taken to let that much pass"
+                "half-float products do not cancel, and leave the range of half floats: behind some dozen surfaces, or \
+                 three or four dark ones, the factor may be anything; surfaces that let less than 6e-5 pass are taken to let that much pass"
             }
             Accumulate::Log32 => {
                 "sums of 32-bit logarithms do not quite cancel: about 2e-5 behind 128 surfaces"

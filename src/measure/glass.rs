@@ -132,7 +132,7 @@ impl Panes {
 }
 
 /// Whether the line through `from` along `direction`, moved by next to nothing, passes through the triangle.
-fn is_crossed_once(corners: &[DVec3; 3], from: DVec3, direction: DVec3) -> bool {
+pub(super) fn is_crossed_once(corners: &[DVec3; 3], from: DVec3, direction: DVec3) -> bool {
     let [u, v, w] = corners.map(|corner| corner - from);
     // The sign of det(direction + (ε, ε², ε³), a, b).
     let sign = |a: DVec3, b: DVec3| {
@@ -227,7 +227,8 @@ impl Query {
         }
         let tints = tracer.tints(&self.probe(tracer, moved), casters);
         let changes = |tint: &DVec3| (*tint - tints[0]).abs().max_element() > SAME_FACTOR;
-        (tints[0], tints.iter().zip(reached).any(|(tint, reached)| reached && changes(tint)))
+        let changed = tints.iter().zip(reached).any(|(tint, reached)| reached && changes(tint));
+        (tints[0], changed || moved.is_at_rim(light.position, casters))
     }
 }
 

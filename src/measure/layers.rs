@@ -180,10 +180,13 @@ impl Reference {
                 }
                 continue;
             };
-            let moved = Moved::on(surface, view, place, *t);
+            let mut moved = Moved::on(surface, view, place, *t);
+            let in_plane = tracer.in_plane_of(&moved, view, place);
+            moved.rims = in_plane.rims;
             pixels.push(Some(&moved), askers);
-            for other in tracer.panes_in_plane_of(&moved, view, place) {
-                pixels.push_tie(self, Some(&moved), &Moved::on(other, view, place, *t), askers);
+            for other in in_plane.showing {
+                let other = Moved { rims: moved.rims.clone(), ..Moved::on(other, view, place, *t) };
+                pixels.push_tie(self, Some(&moved), &other, askers);
             }
         }
     }

@@ -21,11 +21,12 @@
 //! the same depth, however it is off. The sides of that shadow have not. Where depth moves a point so far that it comes
 //! out of its own shadow through a side, next to an edge of the triangle, that side is before it or behind it by the snap alone.
 
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 
-use super::reference::{Hit, Reference};
+use super::reference::{CasterSet, Hit, Reference};
 use super::render::{CORNER_SNAP, DEPTH_ULPS, PIXEL_MOVE};
 use super::surface::Triangle;
+use super::ties::Rim;
 use super::view::View;
 
 /// The centre, four moves on the plane, two in depth.
@@ -49,6 +50,8 @@ pub(super) struct Moved<'a> {
     pub(super) is_tilted: bool,
     /// The side on which the eye is.
     pub(super) eye_side: i32,
+    /// Where casters' surfaces in its plane end, as far as anybody has looked.
+    pub(super) rims: Vec<Rim<'a>>,
 }
 
 impl<'a> Moved<'a> {
@@ -98,7 +101,12 @@ impl<'a> Moved<'a> {
             }
         }
         let eye_side = surface.facing(view.eye);
-        Self { surface, points, corners, lost, is_tilted, eye_side }
+        Self { surface, points, corners, lost, is_tilted, eye_side, rims: Vec::new() }
+    }
+
+    /// Whether a volume of one of `casters` may hang from an edge that is as near to it, in its own plane, as corners are snapped.
+    pub(super) fn is_at_rim(&self, light: DVec4, casters: &CasterSet) -> bool {
+        self.rims.iter().any(|rim| rim.counts(light, casters))
     }
 
     /// Its points and corners.

@@ -187,6 +187,9 @@ impl Query {
         let all = (1_u8 << MOVES) - 1;
         let factor = if dark & 1 == 0 { 1.0 } else { 0.0 };
         let mut ambiguous = (dark != 0 && dark != all) || (moved.lost && !turned_away);
+        if !ambiguous && !turned_away {
+            ambiguous = moved.is_at_rim(light.position, &self.casters);
+        }
         if !ambiguous && !turned_away && facing * moved.eye_side > 0 {
             ambiguous = self.leaves_its_own_shadow(tracer, moved);
         }

@@ -8,7 +8,8 @@
 //! eye) makes the pixel ambiguous as well. What that means for lights with a size is told in [`super::area`].
 //!
 //! **Ties.** Of several surfaces in one plane any may be the visible one, by rounding. The reference names them all
-//! ([`ReferenceImage::ties`]), so that such a pixel is compared by their common plane, as the surface that was seen.
+//! ([`ReferenceImage::ties`]), so that such a pixel is compared by their common plane, as the surface that was seen. Where
+//! one of them ends within [`PIXEL_MOVE`], and a volume begins there, the pixel is ambiguous (derived in [`super::ties`]).
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -158,11 +159,16 @@ impl Reference {
                 let place = antialias.sample_place_px([x, y]);
                 let seen = view.first_hit(&mut first, place);
                 let moved = seen.and_then(|(hit, t)| Moved::new(self, &view, place, hit, t));
-                pixels.push(moved.as_ref(), &mut askers);
-                let (Some(moved), Some((_, t))) = (&moved, seen) else { continue };
-                for other in first.in_plane_of(moved, &view, place) {
-                    let other = Moved::on(other, &view, place, t);
-                    pixels.push_tie(self, Some(moved), &other, &mut askers);
+                let (Some(mut moved), Some((_, t))) = (moved, seen) else {
+                    pixels.push(None, &mut askers);
+                    continue;
+                };
+                let in_plane = first.in_plane_of(&moved, &view, place);
+                moved.rims = in_plane.rims;
+                pixels.push(Some(&moved), &mut askers);
+                for other in in_plane.showing {
+                    let other = Moved { rims: moved.rims.clone(), ..Moved::on(other, &view, place, t) };
+                    pixels.push_tie(self, Some(&moved), &other, &mut askers);
                 }
             }
             pixels

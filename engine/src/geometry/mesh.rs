@@ -204,6 +204,12 @@ impl Mesh {
         if center.length() > 8.0 * self.bounds.radius() && center.is_finite() { center } else { DVec3::ZERO }
     }
 
+    /// Vertex `vertex` as shaders see it: about [`Self::shader_origin`], rounded once.
+    pub fn shader_position(&self, vertex: u32) -> Vec3 {
+        let (position, origin) = (self.data.positions[vertex as usize], self.shader_origin());
+        if origin == DVec3::ZERO { position } else { (position.as_dvec3() - origin).as_vec3() }
+    }
+
     /// Welded vertices, edges and closedness; computed on first use and kept.
     pub fn topology(&self) -> &Topology {
         self.topology.get_or_init(|| match &self.rest {

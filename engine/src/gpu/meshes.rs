@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use bytemuck::{Pod, Zeroable};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use super::executor::budget::check_buffer;
 use super::{Gpu, GpuError};
@@ -65,12 +65,8 @@ impl Meshes {
             return;
         }
         let data = mesh.data();
-        let origin = mesh.shader_origin();
-        let positions: Vec<Vec3> = data
-            .positions
-            .iter()
-            .map(|p| if origin == DVec3::ZERO { *p } else { (p.as_dvec3() - origin).as_vec3() })
-            .collect();
+        let positions: Vec<Vec3> =
+            (0..data.positions.len()).map(|vertex| mesh.shader_position(vertex as u32)).collect();
         let attributes: Vec<Attributes> = (0..data.positions.len())
             .map(|i| Attributes {
                 normal: data.normals.get(i).copied().unwrap_or(Vec3::Y).to_array(),

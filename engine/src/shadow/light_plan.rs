@@ -163,9 +163,9 @@ impl<'a> LightPlan<'a> {
     }
 
     /// The normal of the surface that every pixel shows, as `texture_2d<f32>`: x, y and z are the unit normal of the
-    /// visible triangle in view space, on the eye's side; w is how far the triangle's farthest corner is from the eye, in
-    /// metres, where the surface receives shadows (rasterisers lose as many digits of its depth), 0 where it does
-    /// not or nothing is seen. The triangle's own normal, not one blended between vertices. In the plan only when some
+    /// visible triangle in view space, on the eye's side; w is how far, in metres, the point that depth says may be off along
+    /// the view (what rasterisers lose of far corners and of triangles thinner than a pixel) where the surface receives
+    /// shadows, 0 where it does not or nothing is seen. The triangle's own normal, not one blended between vertices. In the plan only when some
     /// technique calls this.
     pub fn receiver_normals(&mut self) -> SlotId {
         let builder = &mut *self.builder;

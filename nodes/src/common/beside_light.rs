@@ -7,12 +7,13 @@
 //! a direction.
 //!
 //! *Why it cannot leak.* An edge is cut at a place that depends on its ends and the lamp alone, so all triangles and sides at
-//! it are cut there. The parts of a triangle have its sign; between them sides cancel and are not drawn.
+//! it are cut there. The parts of a triangle have its sign; between them sides cancel and are not drawn. Front caps stay whole,
+//! for only so have they the very depth of what is seen: slivers close what is between them and the places of the cuts.
 
 use std::collections::HashMap;
 
 use bytemuck::{Pod, Zeroable};
-use glam::{DAffine3, DVec3, DVec4};
+use glam::{DAffine3, DVec3, DVec4, Vec3};
 use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::scene::Instance;
 
@@ -79,6 +80,7 @@ pub fn distance_to_triangle(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
 
 /// Cuts the edges and triangles of one caster.
 pub(super) struct Cutter<'a> {
+    instance: &'a Instance,
     p_in_world: &'a [DVec3],
     light: DVec3,
     radius_m: f64,
@@ -92,13 +94,19 @@ pub(super) struct Cutter<'a> {
 
 impl<'a> Cutter<'a> {
     /// `None` where the light is nowhere near the caster, whose vertices are at `p_in_world`. The volume is to end at `end`.
-    pub(super) fn new(instance: &Instance, p_in_world: &'a [DVec3], light: DVec4, end: End) -> Option<Self> {
+    pub(super) fn new(
+        instance: &'a Instance,
+        p_in_world: &'a [DVec3],
+        light: DVec4,
+        end: End,
+    ) -> Option<Self> {
         let bounds: &Aabb = &instance.world_bounds;
         let (radius_m, position) = (bounds.radius(), light.truncate());
         if light.w == 0.0 || bounds.distance(position) > BESIDE * radius_m {
             return None;
         }
         Some(Self {
+            instance,
             p_in_world,
             light: position,
             radius_m,
@@ -117,11 +125,16 @@ impl<'a> Cutter<'a> {
     /// A new vertex at `away` from the lamp.
     fn cut(&mut self, away: DVec3) -> u32 {
         let position = self.shader_from_world.transform_point3(self.light + away);
+        self.cut_at(position.as_vec3(), away)
+    }
+
+    /// The same, `position` being where it is for shaders.
+    fn cut_at(&mut self, position: Vec3, away: DVec3) -> u32 {
         // Of any length: as long as the caster, so that its square stays in the range of f32.
         let away = away * (self.radius_m / away.length().max(f64::MIN_POSITIVE));
         let away = self.shader_from_world.transform_vector3(away);
         self.cuts.push(CutVertex {
-            position: position.as_vec3().to_array(),
+            position: position.to_array(),
             away: away.as_vec3().to_array(),
             ..CutVertex::default()
         });
@@ -138,7 +151,7 @@ impl<'a> Cutter<'a> {
         if let Some(known) = self.corners.get(&vertex) {
             return *known;
         }
-        let cut = self.cut(away);
+        let cut = self.cut_at(self.instance.mesh.shader_position(vertex), away);
         self.corners.insert(vertex, cut);
         cut
     }
@@ -181,6 +194,15 @@ impl<'a> Cutter<'a> {
         let hub = outline.iter().position(is_middle).unwrap_or(0);
         outline.rotate_left(hub);
         outline[1..].windows(2).map(|pair| [outline[0], pair[0], pair[1]]).collect()
+    }
+
+    /// What lies between the edges of a triangle, which are straight, and the vertices where they are cut, which are rounded:
+    /// slivers of no width to speak of, wound as the triangle. With them whole triangles close what begins at cut edges.
+    pub(super) fn slivers(&mut self, [a, b, c]: [u32; 3]) -> Vec<[u32; 3]> {
+        [(a, b), (b, c), (c, a)]
+            .into_iter()
+            .filter_map(|(p, q)| self.middle(p, q).map(|middle| [p, middle, q]))
+            .collect()
     }
 
     /// The way from the lamp to the place right under it on a triangle, if that is near and on it.

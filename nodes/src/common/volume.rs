@@ -357,18 +357,13 @@ impl FrontCaps {
         let welded = shape.topology().triangles();
         let mut cap_of = |triangle: u32, seen_as: Option<u32>| -> Vec<u32> {
             let corners = welded[triangle as usize];
-            let parts = cut_triangle(cutter, corners);
-            match (seen_as, &parts[..]) {
-                // The mesh's own indices, as the visible surface has them.
-                (Some(own), [whole]) if *whole == corners => {
-                    instance.mesh.triangle(own as usize).map(cap).to_vec()
-                }
-                // The reverse of a triangle is that triangle, counted the other way round.
-                (Some(own), parts) if own != triangle => {
-                    parts.iter().flat_map(|[a, b, c]| [cap(*a), cap(*c), cap(*b)]).collect()
-                }
-                (_, parts) => parts.iter().flatten().map(|vertex| cap(*vertex)).collect(),
-            }
+            // The mesh's own indices, as the visible surface has them.
+            let whole = seen_as.map_or(corners, |own| instance.mesh.triangle(own as usize));
+            // The reverse of a triangle is that triangle, counted the other way round.
+            let is_reverse = seen_as.is_some_and(|own| own != triangle);
+            let slivers = cutter.as_mut().map_or_else(Vec::new, |cutter| cutter.slivers(corners));
+            let slivers = slivers.into_iter().map(|[a, b, c]| if is_reverse { [a, c, b] } else { [a, b, c] });
+            std::iter::once(whole).chain(slivers).flatten().map(cap).collect()
         };
         let mut caps = Self::default();
         for (turned, list) in [&chain.caps_front, &chain.caps_back].into_iter().enumerate() {

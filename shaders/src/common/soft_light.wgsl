@@ -177,9 +177,6 @@ const DEPTH_ULPS: u32 = 48u;
 // A rasteriser evaluates depth as a plane over the target: it loses some roundings of the largest depth that this plane has
 // there. So many times one's own it may be before more ulps than DEPTH_ULPS are lost.
 const STEEPEST_DEPTH: f32 = 16.0;
-// How far the visible point may be off along the view, relative to the distance of its triangle's farthest corner: what
-// rasterisers lose of it when they cut the triangle at the picture's edges. Up to 2.3e-8 was seen.
-const CORNER_ROUNDING: f32 = 6e-8;
 // What rounding leaves of a height over a plane, relative to the distances of point and plane from the eye.
 const ROUNDING: f32 = 6e-7;
 
@@ -241,7 +238,7 @@ fn with_frame(receiver: Receiver, pixel: vec2f, depth: f32, normal: vec4f) -> Re
     var r = receiver;
     let p = view_from_pixel(pixel, depth);
     let step = (world_from_view(deeper(pixel, depth)) - r.p) * depth_loss(p, normal.xyz);
-    r.step = step * max(1.0, CORNER_ROUNDING * normal.w / max(length(step), 1e-37));
+    r.step = step * max(1.0, normal.w / max(length(step), 1e-37));
     r.distance = length(r.p);
     // Unit axes across w: where it is +Y they are +X and −Z, from where the shortest turn takes them along.
     let across = r.w.x * r.w.x + r.w.z * r.w.z;
