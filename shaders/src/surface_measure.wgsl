@@ -20,8 +20,8 @@ struct Varyings {
 #if NORMALS
     // The triangle's unit normal, and how far its farthest corner is; 0 where it does not receive shadows.
     @location(4) @interpolate(flat, first) normal: vec4f,
-    // How high its plane is over the eye along the normal.
-    @location(5) @interpolate(flat, first) plane_m: f32,
+    // How high its plane is over the eye along the normal, and how far its nearest corner is: in metres.
+    @location(5) @interpolate(flat, first) plane: vec2f,
 #endif
 }
 
@@ -38,6 +38,8 @@ fn scaled(v: vec3f) -> vec3f {
 // How far the visible point may be off along the view, relative to the distance of its triangle's farthest corner: what
 // rasterisers lose of it when they cut the triangle at the picture's edges. Up to 2.3e-8 was seen.
 const CORNER_ROUNDING: f32 = 6e-8;
+// What rounding leaves of how high a point is over a plane, relative to the distances of both.
+const PLANE_ROUNDING: f32 = 2e-7;
 
 // The distances from the eye of a triangle's corners in view space.
 fn distances(corners: array<vec3f, 3>) -> vec3f {
@@ -87,14 +89,21 @@ fn geometric_normal(instance: u32, first: u32, nearest: vec3f) -> vec3f {
     return select(n, -n, dot(n, towards_eye) < 0.0);
 }
 
-// How far the visible point may be off along the view. Of a triangle thinner than a pixel the depth is reckoned from edges
-// that all but coincide: there the point is off its own plane by more than rounding. Twice that, for the plane is rounded too.
-fn uncertain_m(in: Varyings) -> f32 {
+// The normal of the visible point, as long as its distance is over the one that depth says; and how far it may be off along the
+// view, 0 where it does not receive shadows. Of a triangle thinner than a pixel the depth is reckoned from edges that all but
+// coincide, and the point it says is off the triangle's plane by more than rounding: there the plane says where it is.
+fn surface_point(in: Varyings) -> vec4f {
     let p = view_from_pixel(in.clip.xy, in.clip.z);
-    let off_plane_m = 2.0 * abs(dot(in.normal.xyz, p) - in.plane_m);
-    let view = select(vec3f(0.0, 0.0, -1.0), p / max(length(p), 1e-30), frame.eye_w > 0.0);
-    let along_view_m = off_plane_m / max(abs(dot(in.normal.xyz, view)), 1e-6);
-    return select(0.0, max(CORNER_ROUNDING * in.normal.w, along_view_m), in.normal.w > 0.0);
+    let distance_m = select(abs(p.z), length(p), frame.eye_w > 0.0);
+    let view = select(vec3f(0.0, 0.0, -1.0), p / max(distance_m, 1e-30), frame.eye_w > 0.0);
+    let slope = max(abs(dot(in.normal.xyz, view)), 1e-6);
+    let off_plane_m = dot(in.normal.xyz, p) - in.plane.x;
+    let lost_m = PLANE_ROUNDING * (in.plane.y + distance_m);
+    let is_off = abs(off_plane_m) > 2.0 * lost_m;
+    // Normals are on the eye's side: what is before the plane has to move on.
+    let farther = select(1.0, 1.0 + off_plane_m / (slope * max(distance_m, 1e-30)), is_off);
+    let uncertain_m = select(max(CORNER_ROUNDING * in.normal.w, 8.0 * abs(off_plane_m) / slope), lost_m / slope, is_off);
+    return vec4f(in.normal.xyz * max(farther, 1e-3), select(0.0, uncertain_m, in.normal.w > 0.0));
 }
 #endif
 
@@ -117,7 +126,7 @@ fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) instance:
     let far = distances(corners);
     let n = geometric_normal(instance, first, nearest);
     out.normal = vec4f(n, select(0.0, max(far.x, max(far.y, far.z)), receives));
-    out.plane_m = dot(n, nearest);
+    out.plane = vec2f(dot(n, nearest), length(nearest));
 #endif
     return out;
 }
@@ -150,7 +159,7 @@ fn receiver_normal(in: Varyings) -> @location(0) vec4f {
         discard;
     }
 #endif
-    return vec4f(in.normal.xyz, uncertain_m(in));
+    return surface_point(in);
 }
 
 struct TriangleAndNormal {
@@ -165,6 +174,6 @@ fn triangle_and_normal(in: Varyings) -> TriangleAndNormal {
         discard;
     }
 #endif
-    return TriangleAndNormal(vec2u(in.instance, in.triangle), vec4f(in.normal.xyz, uncertain_m(in)));
+    return TriangleAndNormal(vec2u(in.instance, in.triangle), surface_point(in));
 }
 #endif

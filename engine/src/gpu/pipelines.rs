@@ -28,6 +28,9 @@ pub(crate) enum Culling {
     BackMirrored,
 }
 
+/// See [`DrawState::depth_bias`].
+const SLOPE_OF_ROUNDING_PX: f32 = 1.0 / (1 << 19) as f32;
+
 /// Everything that makes two pipelines different.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Key {
@@ -229,7 +232,11 @@ fn create(
             depth_write_enabled: Some(state.depth_write),
             depth_compare: Some(state.depth_compare),
             stencil,
-            bias: wgpu::DepthBiasState { constant: state.depth_bias, ..Default::default() },
+            bias: wgpu::DepthBiasState {
+                constant: state.depth_bias,
+                slope_scale: state.depth_bias as f32 * SLOPE_OF_ROUNDING_PX,
+                clamp: 0.0,
+            },
         }),
         multisample: wgpu::MultisampleState { count: wanted.samples, ..Default::default() },
         fragment: fragment.map(|(module, entry)| wgpu::FragmentState {

@@ -31,15 +31,21 @@ pub fn orient_sign(ab: DVec3, ac: DVec3, d: DVec3) -> i32 {
 /// about 4·2⁻⁵³ in each coordinate, and a determinant of differences feels it at most 2√3 times in each factor.
 pub const POSITION_EPSILON: f64 = 4e-15;
 
+/// What directions and f32 positions tell of the angle between them: a sun that grazes a surface at less lights nothing of it,
+/// and what the surface hides from it is thinner than its corners are known.
+const DIRECTION_EPSILON: f64 = 1.2e-7;
+
 /// The facing sign s_T of triangle (a, b, c) towards the homogeneous `light` (l, w): w = 1 a point at l, w = 0 a
-/// direction l *towards* the light. +1: the light sees the triangle counter-clockwise; 0: edge-on or no area, or a point so
-/// near to the triangle's plane that positions, which have lost [`POSITION_EPSILON`] of their coordinates, do not tell.
+/// direction l *towards* the light. +1: the light sees the triangle counter-clockwise; 0: edge-on, for a direction
+/// within 1.2e-7 rad, or no area, or a point so near to the triangle's plane that positions, which have lost
+/// [`POSITION_EPSILON`] of their coordinates, do not tell.
 pub fn facing_sign(a: DVec3, b: DVec3, c: DVec3, light: DVec4) -> i32 {
     let (ab, ac, d) = (b - a, c - a, light.truncate() - a * light.w);
     // A point next to a corner has a difference from it of which few digits are left.
     let coordinate = a.abs().max(light.truncate().abs()).max_element() * light.w;
     let normal = ab.cross(ac);
     let lost = POSITION_EPSILON * coordinate * normal.length();
+    let lost = if light.w == 0.0 { DIRECTION_EPSILON * normal.length() * d.length() } else { lost };
     if normal.dot(d).abs() <= lost { 0 } else { orient_sign(ab, ac, d) }
 }
 
@@ -55,6 +61,8 @@ mod tests {
         assert_eq!(facing_sign(a, b, c, DVec4::new(5.0, 7.0, 0.0, 1.0)), 0);
         assert_eq!(facing_sign(a, b, c, DVec4::new(0.0, 0.0, -1.0, 0.0)), -1);
         assert_eq!(facing_sign(a, b, b, DVec4::new(0.0, 0.0, -1.0, 0.0)), 0);
+        assert_eq!(facing_sign(a, b, c, DVec4::new(1.0, 0.0, 1e-7, 0.0)), 0);
+        assert_eq!(facing_sign(a, b, c, DVec4::new(1.0, 0.0, 2e-7, 0.0)), 1);
         assert_eq!(facing_sign(a, b, DVec3::NAN, DVec4::new(0.0, 0.0, -1.0, 0.0)), 0);
     }
 }

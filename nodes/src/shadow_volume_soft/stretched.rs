@@ -14,7 +14,7 @@ use shadowgraph_engine::scene::Instance;
 use shadowgraph_engine::shadow::{LightPlan, hash_of};
 
 /// Casters within so many near distances of the eye keep enough digits as they are.
-const FAR_REACHING: f64 = 2560.0;
+const FAR_REACHING: f64 = 1280.0;
 /// Only casters with edges as long as this share of their radius are stretched; terrains of many small cells are not.
 const LONG_EDGE: f64 = 0.125;
 /// Steps of the records' centre, in shares of the caster's radius.

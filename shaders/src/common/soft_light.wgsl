@@ -210,10 +210,16 @@ fn deeper(pixel: vec2f, depth: f32) -> vec3f {
     return view_from_pixel(pixel, select(depth - f32(DEPTH_ULPS) * 1.1920929e-7, ulps_deeper, frame.eye_w > 0.0));
 }
 
-// The point at `pixel`, whose depth is not 0, and where its light is. What depends on the frame is left out.
-fn receiver_at(pixel: vec2f, depth: f32) -> Receiver {
+// The point that depth says, so many times as far from the eye.
+fn farther(p: vec3f, times: f32) -> vec3f {
+    return select(vec3f(p.xy, p.z * times), p * times, frame.eye_w > 0.0);
+}
+
+// The point at `pixel`, whose depth is not 0, and where its light is. What depends on the frame is left out. `normal` is what
+// the image of receivers' normals has there.
+fn receiver_at(pixel: vec2f, depth: f32, normal: vec4f) -> Receiver {
     var r: Receiver;
-    r.p = world_from_view(view_from_pixel(pixel, depth));
+    r.p = world_from_view(farther(view_from_pixel(pixel, depth), length(normal.xyz)));
     let offset = soft.light.xyz - r.p * soft.light.w;
     r.light_distance = length(offset);
     r.w = offset / r.light_distance;
@@ -236,8 +242,9 @@ fn depth_loss(p: vec3f, normal: vec3f) -> f32 {
 // The same with its frame, and with how far it may be off. `normal` is what the image of receivers' normals has there.
 fn with_frame(receiver: Receiver, pixel: vec2f, depth: f32, normal: vec4f) -> Receiver {
     var r = receiver;
-    let p = view_from_pixel(pixel, depth);
-    let step = (world_from_view(deeper(pixel, depth)) - r.p) * depth_loss(p, normal.xyz);
+    let times = length(normal.xyz);
+    let p = farther(view_from_pixel(pixel, depth), times);
+    let step = (world_from_view(farther(deeper(pixel, depth), times)) - r.p) * depth_loss(p, normal.xyz / times);
     r.step = step * max(1.0, normal.w / max(length(step), 1e-37));
     r.distance = length(r.p);
     // Unit axes across w: where it is +Y they are +X and −Z, from where the shortest turn takes them along.

@@ -26,8 +26,8 @@ fn question_at(position: vec2f) -> Question {
     let depth = textureLoad(receiver_depth, pixel, 0);
     let normal = textureLoad(receiver_normals, pixel, 0);
     // Depth is reversed: 0 is infinitely far, where nothing is.
-    q.r = receiver_at(position, depth);
-    q.n = world_from_view(normal.xyz);
+    q.r = receiver_at(position, depth, normal);
+    q.n = world_from_view(normalize(normal.xyz));
     q.height = dot(q.n, q.r.w);
     q.normal = normal;
     q.reach = q.r.k * sqrt(max(1.0 - q.height * q.height, 0.0)) * 1.00001 + 1e-6;
