@@ -11,7 +11,8 @@
 //! what its ambiguous samples allow, anywhere. Outside of them is outside, however little; that alone decides whether a
 //! picture is exact. So that the band excuses nothing but edges, it may not be wider than what edges need: the band of a
 //! light with a size is the mean of the bands of its samples' own shadows (the sum of all pixels' bounds), and compared with
-//! the mean of their boundaries: the rule of hard shadows, sample by sample, averaged.
+//! the mean of their boundaries: the rule of hard shadows, sample by sample, averaged. Pixels that the light but grazes
+//! ([`super::GRAZED`]) do not count for that: they are in the band by whole surfaces, and nothing of the light is seen there.
 //!
 //! A factor has one channel or three. A coloured one is judged channel by channel, and as a whole by the channel that
 //! differs most at each pixel.
@@ -101,7 +102,7 @@ pub struct LightError {
     /// Pixels of the ambiguity band.
     pub band_pixels: usize,
     /// How wide the band is, in pixels: for a light without a size as many as it holds, for one with a size the mean of the
-    /// bands of its samples' own shadows.
+    /// bands of its samples' own shadows; without pixels that the light but grazes.
     pub band_px: f64,
     /// How wide it may be: [`BAND_PIXELS_PER_BOUNDARY_PIXEL`] for each pixel of boundary, and [`BAND_FLOOR_PIXELS`].
     pub band_limit_px: f64,
@@ -267,7 +268,8 @@ fn compare_light(
         if light.compared[pixel] && light.ambiguous[pixel] {
             let width = |channel| light.bounds(pixel, channel, 0.0).into_iter().rev().reduce(|a, b| a - b);
             error.band_pixels += 1;
-            band_px += (0..channels).filter_map(width).map(f64::from).fold(0.0, f64::max);
+            let counts = if light.is_grazed(pixel) { 0..0 } else { 0..channels };
+            band_px += counts.filter_map(width).map(f64::from).fold(0.0, f64::max);
         }
         if !sees_same(*ids, *hit) {
             error.different_triangle += 1;

@@ -52,7 +52,7 @@ pub use metrics::{
 };
 pub use reference::{CasterSet, Hit, Reference, Tracer};
 pub use render::{
-    CORNER_SNAP, DEPTH_ULPS, LightQuery, LightReference, PIXEL_MOVE, PixelReference, Progress,
+    CORNER_SNAP, DEPTH_ULPS, GRAZED, LightQuery, LightReference, PIXEL_MOVE, PixelReference, Progress,
     ReferenceImage, SupersampledImage,
 };
 pub use shadowgraph_engine::shadow::{LightSize, disc_samples, light_samples};

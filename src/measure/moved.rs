@@ -17,8 +17,6 @@
 //! which shadows hang, and shifts are what the moves sideways stand for. So depth is moved by a snap only where the surface
 //! is [thinner than a pixel](thickness_px): there one pixel's ε̄ says nothing of the next one's.
 //!
-//! Thin triangles lose more than others to rounding as well, in the slopes of depth ([`SETUP_ROUNDING`]).
-//!
 //! **Its own shadow.** Behind its triangle a point is in that triangle's shadow, which does not count: cap and surface have
 //! the same depth, however it is off. The sides of that shadow have not. Where depth moves a point so far that it comes
 //! out of its own shadow through a side, next to an edge of the triangle, that side is before it or behind it by the snap alone.
@@ -124,11 +122,6 @@ pub(super) const SIDEWAYS: [[f64; 2]; 4] =
 /// What is not as thick, in pixels, is tilted by the snap of its corners.
 const THIN_PX: f64 = 1.0;
 
-/// What a rasteriser loses of the slopes of depth: it divides differences of products of sides and depths by twice the area. On a
-/// triangle of length l and thickness h the products are l·Δd, each off by 2⁻²⁴ of itself, and the area is l·h; so depth, l from
-/// where it was anchored, is off by 2⁻²³ Δd·l/h.
-const SETUP_ROUNDING: f64 = f32::EPSILON as f64;
-
 /// How much of `surface` a row or a column through a place of the target shows, whichever is less, in pixels.
 fn thickness_px(surface: &Triangle, view: &View<'_>, [x, y]: [f64; 2]) -> f64 {
     let edges = |dx: f64, dy: f64| {
@@ -158,8 +151,7 @@ fn thickness_px(surface: &Triangle, view: &View<'_>, [x, y]: [f64; 2]) -> f64 {
 fn depth_moves(surface: &Triangle, view: &View<'_>, [x, y]: [f64; 2], t: f64) -> [f64; 2] {
     let depth = view.depth(t);
     let rounding = f64::from(DEPTH_ULPS) * view.depth_ulp(t);
-    let thickness_px = thickness_px(surface, view, [x, y]);
-    if thickness_px >= THIN_PX {
+    if thickness_px(surface, view, [x, y]) >= THIN_PX {
         return [-rounding, rounding];
     }
     // Depth is linear: it is least and largest at corners of the square of all snaps.
@@ -174,7 +166,5 @@ fn depth_moves(surface: &Triangle, view: &View<'_>, [x, y]: [f64; 2], t: f64) ->
     let corners = surface.corners.map(|corner| view.clipped_depth(corner) - depth);
     let nearest = corners.into_iter().fold(f64::NEG_INFINITY, f64::max);
     let farthest = corners.into_iter().fold(f64::INFINITY, f64::min);
-    let setup = SETUP_ROUNDING * (nearest - farthest) * view.diagonal_px() / thickness_px;
-    reach = [reach[0] - setup, reach[1] + setup];
     [reach[0].max(farthest).min(-rounding), reach[1].min(nearest).max(rounding)]
 }

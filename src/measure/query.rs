@@ -10,7 +10,7 @@ use super::area::{SizedQuery, boundary_px};
 use super::disc::DiscTracer;
 use super::moved::{MOVES, Moved};
 use super::reference::{CasterSet, Probe, Reference, Tracer};
-use super::render::{LightQuery, PixelReference};
+use super::render::{GRAZED, LightQuery, PixelReference};
 use super::surface::Triangle;
 use super::view::View;
 
@@ -119,7 +119,18 @@ impl Asker<'_> {
         let anything = changes || (ambiguous && self.query.sized.is_empty());
         let bounds = |channel: usize| if anything { [0.0, 1.0] } else { [least[channel], largest[channel]] };
         let bounds = [bounds(0), bounds(1), bounds(2)];
-        PixelReference { factor, bounds, tint: tint.as_vec3().to_array(), compared, ambiguous }
+        let grazed = ambiguous && self.is_grazed(moved);
+        PixelReference { factor, bounds, tint: tint.as_vec3().to_array(), compared, ambiguous, grazed }
+    }
+
+    /// Whether no more than [`GRAZED`] of the light can reach the surface: the sine of its height, and of its radius.
+    fn is_grazed(&self, moved: &Moved<'_>) -> bool {
+        let light = self.tracer.reference.lights[self.query.light].position;
+        let offset = light - moved.points[0].extend(0.0) * light.w;
+        let distance = offset.truncate().length();
+        let height = moved.surface.normal().normalize_or_zero().dot(offset.truncate()).abs();
+        let radius = self.query.sized.iter().map(|part| part.size.disc(offset).radius).fold(0.0, f64::max);
+        height + radius <= GRAZED * distance
     }
 
     /// The factor alone, where the ray through a place of the target meets `surface` at distance `t`; 1 where the light does

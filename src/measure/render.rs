@@ -40,6 +40,11 @@ pub const DEPTH_ULPS: u32 = 64;
 /// How far a rasteriser moves each coordinate of a corner, in pixels, when it snaps it to the nearest [`PIXEL_MOVE`].
 pub const CORNER_SNAP: f64 = PIXEL_MOVE / 2.0;
 
+/// A surface that gets no more than this share of a light, from all of it, is but grazed: half a grey level of a picture in which
+/// the light's full share is twenty times too bright. A lamp in a floor's own plane, as near as f32 tells, lights all of the floor or
+/// nothing; the band then has no edge to be compared with, and what it holds is seen by nobody.
+pub const GRAZED: f64 = 1e-4;
+
 /// Told (rows done, rows in all) from any thread, in no certain order.
 pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
@@ -82,6 +87,9 @@ pub struct LightReference {
     pub compared: Vec<bool>,
     /// Whether the factor changes under the moves of the ambiguity band.
     pub ambiguous: Vec<bool>,
+    /// Whether the light but grazes the surface ([`GRAZED`]): nothing of it is seen there, whatever the factor. Empty where nobody
+    /// asked.
+    pub grazed: Vec<bool>,
     /// By how much, where the light has a size; without one, an ambiguous factor may be anything.
     pub soft: Option<SoftBounds>,
     /// What is said of those [`ReferenceImage::ties`], by their places in that list, of which something else is said than
@@ -102,9 +110,16 @@ pub struct PixelReference {
     pub compared: bool,
     /// Whether it changes under the moves of the ambiguity band.
     pub ambiguous: bool,
+    /// Whether the light but grazes the surface: see [`GRAZED`].
+    pub grazed: bool,
 }
 
 impl LightReference {
+    /// Whether the light but grazes what a pixel shows.
+    pub(super) fn is_grazed(&self, pixel: usize) -> bool {
+        self.grazed.get(pixel).copied().unwrap_or_default()
+    }
+
     /// The least and the largest factor that is right at a pixel, whose factor is `exact` in this `channel`.
     pub(super) fn bounds(&self, pixel: usize, channel: usize, exact: f32) -> [f32; 2] {
         match (&self.soft, self.ambiguous[pixel]) {

@@ -20,11 +20,6 @@ impl<'a> View<'a> {
         Self { camera, view_from_world, size_px: size_px.map(f64::from), eye: camera.frustum(size_px).eye }
     }
 
-    /// How far two places of the target may be apart.
-    pub(super) fn diagonal_px(&self) -> f64 {
-        self.size_px[0].hypot(self.size_px[1])
-    }
-
     /// The ray through a place of the target, in pixels from its top left corner; its parameter is the distance from
     /// the eye along the axis of view.
     pub(super) fn ray(&self, [x, y]: [f64; 2]) -> (DVec3, DVec3) {

@@ -153,12 +153,17 @@ fn content_key(posed: &Posed, request: &FrameRequest, queries: &[LightQuery]) ->
     hasher.finish()
 }
 
-const MAGIC: &[u8; 16] = b"SHADOWGRAPH-RF2\n";
+const MAGIC: &[u8; 16] = b"SHADOWGRAPH-RF3\n";
 
 fn checksum(bytes: &[u8]) -> [u8; 8] {
     let mut hasher = DefaultHasher::new();
     hasher.write(bytes);
     hasher.finish().to_le_bytes()
+}
+
+/// One bit each, from the lowest.
+fn flags_of(flags: [bool; 3]) -> u8 {
+    flags.iter().rev().fold(0, |bits, flag| bits << 1 | u8::from(*flag))
 }
 
 fn encode(traced: &Traced, key: u64) -> Vec<u8> {
@@ -182,8 +187,8 @@ fn encode(traced: &Traced, key: u64) -> Vec<u8> {
         bytes.extend(light.name.as_bytes());
         bytes.extend((light.factor.len() as u32).to_le_bytes());
         light.factor.iter().for_each(|factor| bytes.extend(factor.to_le_bytes()));
-        let flags = light.compared.iter().zip(&light.ambiguous);
-        bytes.extend(flags.map(|(compared, ambiguous)| u8::from(*compared) | u8::from(*ambiguous) << 1));
+        let flags = light.compared.iter().zip(&light.ambiguous).zip(&light.grazed);
+        bytes.extend(flags.map(|((compared, ambiguous), grazed)| flags_of([*compared, *ambiguous, *grazed])));
         bytes.push(u8::from(light.soft.is_some()));
         if let Some(soft) = &light.soft {
             bytes.extend(soft.same_samples.unwrap_or(0).to_le_bytes());
@@ -196,7 +201,7 @@ fn encode(traced: &Traced, key: u64) -> Vec<u8> {
             let values = [answer.factor, answer.tint].concat();
             let values = values.iter().chain(answer.bounds.as_flattened());
             values.for_each(|value| bytes.extend(value.to_le_bytes()));
-            bytes.push(u8::from(answer.compared) | u8::from(answer.ambiguous) << 1);
+            bytes.push(flags_of([answer.compared, answer.ambiguous, answer.grazed]));
         }
     }
     let sum = checksum(&bytes);
@@ -237,6 +242,7 @@ impl<'a> Reader<'a> {
             tint,
             compared: flags & 1 == 1,
             ambiguous: flags >> 1 & 1 == 1,
+            grazed: flags >> 2 & 1 == 1,
         })
     }
 }
@@ -270,7 +276,7 @@ fn decode(bytes: &[u8], key: u64) -> Option<Traced> {
         let factor = numbers(reader.take(values.checked_mul(4)?)?).into_iter().map(f32::from_bits).collect();
         let flags = reader.take(pixels)?;
         let flag = |bit: u8| flags.iter().map(|flags| flags >> bit & 1 == 1).collect();
-        let (compared, ambiguous) = (flag(0), flag(1));
+        let (compared, ambiguous, grazed) = (flag(0), flag(1), flag(2));
         let soft = match reader.bytes::<1>()? {
             [0] => None,
             _ => {
@@ -286,7 +292,7 @@ fn decode(bytes: &[u8], key: u64) -> Option<Traced> {
         for _ in 0..reader.number()? {
             tied.push((reader.number()?, reader.answer()?));
         }
-        lights.push(LightReference { name, factor, compared, ambiguous, soft, tied });
+        lights.push(LightReference { name, factor, compared, ambiguous, grazed, soft, tied });
     }
     let image = ReferenceImage { size_px, hits, ties, lights };
     reader.0.is_empty().then_some(Traced { image, trace_ms })
@@ -303,12 +309,14 @@ mod tests {
             tint: [1.0, 0.75, 0.5],
             compared: false,
             ambiguous: true,
+            grazed: true,
         };
         let light = LightReference {
             name: "lämp".into(),
             factor: vec![0.25, 1.0],
             compared: vec![true, false],
             ambiguous: vec![false, true],
+            grazed: vec![true, false],
             soft: Some(SoftBounds {
                 same_samples: Some(16),
                 bounds: vec![[0.25, 0.5], [1.0, 1.0]],
