@@ -5,7 +5,8 @@
 
 mod common;
 
-use common::tolerances::{HARD, KNOWN_ON_CASES};
+use common::known::KNOWN_ON_CASES;
+use common::tolerances::HARD;
 
 use shadowgraph::cases::{self, Case};
 use shadowgraph::measure::{Measured, Reference, ReferenceImage, queries};

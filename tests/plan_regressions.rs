@@ -4,11 +4,12 @@ mod common;
 
 use common::*;
 use glam::{DVec3, Vec3};
+use shadowgraph_engine::geometry::{Mesh, MeshData};
 use shadowgraph_engine::manager::{Adapter, FrameRequest};
 use shadowgraph_engine::plan::{
     ColorTarget, FactorAt, Load, Pass, PlanBuilder, PlanError, StencilOperation, TextureFormat,
 };
-use shadowgraph_engine::scene::{Camera, PosedCamera, ShadowNode, placed};
+use shadowgraph_engine::scene::{Camera, ParamValue, PosedCamera, ShadowNode, placed};
 use shadowgraph_engine::shadow::Cache;
 
 /// One light with counts only, and one whose counts meet a visibility target: the second counts in the stencil that
@@ -110,4 +111,35 @@ fn a_camera_from_outside_the_scene_is_checked() {
     let blind = PosedCamera::looking(Camera::perspective("blind", 0.0), DVec3::ONE, DVec3::ZERO);
     let result = try_plan(&shadowed_yard(&[]), &FrameRequest::new(blind, SIZE_PX));
     assert!(result.is_err(), "planned with an opening angle of 0");
+}
+
+/// The node asks for the picture to be darkened before it finds that its only caster has no area.
+#[test]
+fn casters_that_come_to_nothing_leave_nothing_to_darken() {
+    for (type_name, options) in [
+        ("ShadowVolumeHard", vec![("passes", "single")]),
+        ("ShadowVolumeSoft", vec![("apply", "darken"), ("radius", "0")]),
+        ("ShadowVolumeSoft", vec![("apply", "darken"), ("radius", "0.1")]),
+        ("SoftShadow", vec![("weight", "0.5")]),
+        ("TransparentShadow", vec![]),
+    ] {
+        let mut scene = with_floor();
+        let corners = vec![Vec3::new(-1.0, 1.0, 0.0), Vec3::new(1.0, 1.0, 0.0), Vec3::new(-1.0, 1.0, 0.0)];
+        let line = MeshData { positions: corners, indices: vec![0, 1, 2], ..MeshData::default() };
+        scene.add_mesh(Mesh::new(line).unwrap(), Default::default(), at(0.0, 0.0, 0.0));
+        add_lamp(&mut scene, "lamp");
+        let mut node = ShadowNode::new(type_name);
+        for (option, value) in &options {
+            let value = value.parse().map_or_else(|_| text(value), ParamValue::Number);
+            node.params.insert((*option).into(), value);
+        }
+        scene.add_shadow("shadows", node);
+        let wanted = FrameRequest { factors: true, ..request() };
+        let planned = try_plan(&scene, &wanted);
+        assert!(planned.is_ok(), "{type_name} {options:?}: {:?}", planned.err());
+    }
+}
+
+fn text(value: &str) -> ParamValue {
+    ParamValue::Text(value.into())
 }

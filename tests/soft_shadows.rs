@@ -6,7 +6,8 @@
 
 mod common;
 
-use common::tolerances::{KNOWN_ON_CASES, SOFT};
+use common::known::KNOWN_ON_CASES;
+use common::tolerances::SOFT;
 
 use shadowgraph::cases::{self, Case};
 use shadowgraph::measure::{EvaluateError, evaluate};

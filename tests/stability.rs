@@ -9,7 +9,8 @@
 mod common;
 
 use common::conformance::{Trial, dump, try_all, with_two_renderers};
-use common::tolerances::{KNOWN, Known, ROWS};
+use common::known::{KNOWN, Known};
+use common::tolerances::ROWS;
 use shadowgraph::cases::Case;
 use shadowgraph::cases::sweeps::{self, Sweep};
 use shadowgraph::engine::shadow::Catalog;

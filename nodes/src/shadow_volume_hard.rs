@@ -45,7 +45,7 @@ use crate::common::extrusion::{End, end_beyond, end_plane};
 use crate::common::layer_groups::{Caster, MAX_COUNT, group_by_layers};
 use crate::common::masked;
 use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
-use crate::common::volume_draws::{Volume, upload};
+use crate::common::volume_draws::{Volume, falls_on_itself, upload};
 use draws::{Counter, counting_draws, fold_pass};
 pub(crate) use float_counts::Layers;
 use float_counts::count_in_float;
@@ -228,7 +228,7 @@ impl ShadowVolumeHard {
             let single_sided = instance.materials.iter().any(|material| !material.double_sided);
             volumes.push(Volume {
                 hidden_caps_count: single_sided && !hides_itself,
-                falls_on_itself: light.has_size(),
+                falls_on_itself: falls_on_itself(light),
                 caster: Caster { index, instance, shape, key, facing },
                 z_fail,
                 end: self.end(light, instance)?,

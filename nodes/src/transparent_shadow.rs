@@ -44,7 +44,7 @@ use crate::common::layer_groups::Caster;
 use crate::common::listed::Layout;
 use crate::common::screen_bounds::{united, volume_pixels};
 use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
-use crate::common::volume_draws::{Volume, float_state, upload, volume_draws};
+use crate::common::volume_draws::{Volume, falls_on_itself, float_state, upload, volume_draws};
 use options::TYPE_NAME;
 pub use options::{Accumulate, SelfShadow, TransparentShadow};
 
@@ -171,7 +171,7 @@ fn tinted_volumes<'a>(light: &mut LightPlan<'a>) -> Result<Vec<Tinted<'a>>, Shad
                 caster: Caster { index, instance, shape, key, facing },
                 z_fail,
                 hidden_caps_count: true,
-                falls_on_itself: light.layer().is_some() || light.has_size(),
+                falls_on_itself: falls_on_itself(light),
                 end: end_in_view(view, position, &instance.world_bounds),
                 clamp_depth: z_fail && !perspective,
                 directional: position.w == 0.0,

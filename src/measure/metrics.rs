@@ -36,6 +36,9 @@ pub const BAND_FLOOR_PIXELS: usize = 16;
 /// says nothing: edges cross a pixel centre's 1/256 neighbourhood in about 1 % of pixels even when every pixel has one.
 pub const MAX_DIFFERENT_SHARE: f64 = 0.1;
 
+/// So many may differ wherever: of a strip that five pixels show, one is more than that share.
+pub const DIFFERENT_FLOOR_PIXELS: usize = 2;
+
 /// Factors that differ by more are wrong.
 const WRONG_FROM: f64 = 0.5;
 
@@ -316,6 +319,12 @@ fn compare_light(
 }
 
 impl LightError {
+    /// Whether technique and reference see the same surfaces, but for what edges next to pixel centres explain.
+    pub fn sees_same(&self) -> bool {
+        let share = MAX_DIFFERENT_SHARE * self.hit_pixels as f64;
+        self.different_triangle as f64 <= share.max(DIFFERENT_FLOOR_PIXELS as f64)
+    }
+
     /// Fills in everything that depends on the factors, over the `compared` pixels.
     fn judge(
         &mut self,

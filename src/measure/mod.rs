@@ -47,8 +47,8 @@ pub use evaluate::{
 };
 pub use layers::{LayerEvaluation, evaluate_layers};
 pub use metrics::{
-    BAND_FLOOR_PIXELS, BAND_PIXELS_PER_BOUNDARY_PIXEL, CompareError, HALF_FLOAT_LOSS, LightError,
-    MAX_DIFFERENT_SHARE, Measured, compare,
+    BAND_FLOOR_PIXELS, BAND_PIXELS_PER_BOUNDARY_PIXEL, CompareError, DIFFERENT_FLOOR_PIXELS, HALF_FLOAT_LOSS,
+    LightError, MAX_DIFFERENT_SHARE, Measured, compare,
 };
 pub use reference::{CasterSet, Hit, Reference, Tracer};
 pub use render::{

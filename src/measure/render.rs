@@ -40,10 +40,10 @@ pub const DEPTH_ULPS: u32 = 64;
 /// How far a rasteriser moves each coordinate of a corner, in pixels, when it snaps it to the nearest [`PIXEL_MOVE`].
 pub const CORNER_SNAP: f64 = PIXEL_MOVE / 2.0;
 
-/// A surface that gets no more than this share of a light, from all of it, is but grazed: half a grey level of a picture in which
-/// the light's full share is twenty times too bright. A lamp in a floor's own plane, as near as f32 tells, lights all of the floor or
+/// A surface that gets no more than this share of a light, from all of it, is but grazed: under half a grey level of a picture that
+/// the light's full share just fills. A lamp in a floor's own plane, as near as f32 tells, lights all of the floor or
 /// nothing; the band then has no edge to be compared with, and what it holds is seen by nobody.
-pub const GRAZED: f64 = 1e-4;
+pub const GRAZED: f64 = 1e-3;
 
 /// Told (rows done, rows in all) from any thread, in no certain order.
 pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;

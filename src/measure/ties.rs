@@ -46,12 +46,7 @@ pub(super) struct InPlane<'a> {
 
 impl<'a> Tracer<'a> {
     /// What lies in the plane of what is seen at a place of the target.
-    pub(super) fn in_plane_of(
-        &mut self,
-        moved: &Moved<'a>,
-        view: &View<'_>,
-        place: [f64; 2],
-    ) -> InPlane<'a> {
+    pub(super) fn in_plane_of(&mut self, moved: &Moved<'a>, view: &View<'_>, place: [f64; 2]) -> InPlane<'a> {
         let reference = self.reference;
         let opaque = (&reference.bvh, &reference.triangles[..]);
         let panes = reference.panes.as_ref().map(|panes| (&panes.bvh, &panes.triangles[..]));
@@ -117,8 +112,9 @@ impl<'a> Tracer<'a> {
         for instance in casters {
             // A surface goes on beyond an edge that two of its triangles share: as many are there as here.
             let own = || coplanar.iter().filter(|triangle| triangle.instance == instance);
-            let mut covering = rays(view, place)
-                .map(|(from, direction)| own().filter(|t| is_crossed_once(&t.corners, from, direction)).count());
+            let mut covering = rays(view, place).map(|(from, direction)| {
+                own().filter(|t| is_crossed_once(&t.corners, from, direction)).count()
+            });
             let here = covering.next().unwrap_or_default();
             let there: Vec<usize> = covering.collect();
             for ([dx, dy], there) in SIDEWAYS.iter().zip(there) {

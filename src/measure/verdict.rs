@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::metrics::{CompareError, LightError, MAX_DIFFERENT_SHARE};
+use super::metrics::{CompareError, LightError};
 
 /// What a light's errors say of the technique.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,11 +38,10 @@ impl LightError {
     /// What all this comes to. Beside the whole light, a technique that takes samples is judged by these: a light has one
     /// verdict, whatever it is compared with.
     pub fn verdict(&self) -> Verdict {
-        let sees_same = self.different_triangle as f64 <= MAX_DIFFERENT_SHARE * self.hit_pixels as f64;
         let is_right = self.wrong_outside_band == 0 && self.outside_bounds == 0;
         match self.by_samples {
             Some(verdict) => verdict,
-            None if !sees_same => Verdict::SeesOtherSurfaces,
+            None if !self.sees_same() => Verdict::SeesOtherSurfaces,
             None if self.compared == 0 => Verdict::NothingCompared,
             None if self.band_too_wide => Verdict::BandTooWide,
             None if is_right => Verdict::Exact,

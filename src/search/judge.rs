@@ -15,8 +15,8 @@ use shadowgraph_engine::shadow::{Catalog, Claim, Registry, ShadowError, ShadowTe
 
 use super::{Brute, Recipe, RecipeError};
 use crate::measure::{
-    BAND_FLOOR_PIXELS, EvaluateError, Evaluation, KnownReferences, LightError, MAX_DIFFERENT_SHARE,
-    evaluate_again, evaluate_layers,
+    BAND_FLOOR_PIXELS, EvaluateError, Evaluation, KnownReferences, LightError, evaluate_again,
+    evaluate_layers,
 };
 
 /// So many samples stand for a whole light, beside approximations: enough for their loose bounds.
@@ -274,8 +274,9 @@ pub fn owed(technique: &Arc<dyn ShadowTechnique>, light: &PosedLight) -> Owed {
     if is_wide && (is("quality", "perReceiver") || is("quality", "wedge")) {
         return Owed::Drawn;
     }
+    // Lids are wrong where light comes through the opening, and where they pass through their mesh.
     if is("closure", "cap") {
-        return if is_wide { Owed::Drawn } else { Owed::NoLeak };
+        return Owed::Drawn;
     }
     // Behind a few dark surfaces half-float products may be anything, as the technique says of itself.
     if is("accumulate", "product16") {
@@ -318,9 +319,7 @@ fn complaint(error: &LightError, owed: Owed, layer: Option<u32>) -> Option<Failu
         Owed::Exact if error.outside_bounds > 0 || error.wrong_outside_band > 0 => {
             failure(outside, error.outside_bounds)
         }
-        Owed::Exact if error.different_triangle as f64 > MAX_DIFFERENT_SHARE * error.hit_pixels as f64 => {
-            failure(FailureKind::OtherTriangles, error.different_triangle)
-        }
+        Owed::Exact if !error.sees_same() => failure(FailureKind::OtherTriangles, error.different_triangle),
         Owed::Exact => failure(FailureKind::WideBand, error.band_pixels),
     }
 }

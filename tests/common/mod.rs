@@ -4,6 +4,7 @@
 
 pub(crate) mod conformance;
 mod gpu;
+pub(crate) mod known;
 mod plans;
 pub(crate) mod tolerances;
 pub(crate) mod tolerances_found;

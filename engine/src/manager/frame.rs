@@ -270,6 +270,9 @@ impl Planner<'_> {
             segment.own_shadow |= own_shadow && visible;
             let passes = passes_before..b.passes.len();
             let visibility = visible || segment.visibility != visibility_before;
+            // Casters may come to nothing: then nothing of the light is to be taken in any particular way.
+            let is_planned = counts || visibility || once;
+            let (taken, apart) = if is_planned { (taken, apart) } else { (ALL_TAKEN, false) };
             left.push((&claim.node, Left { passes, counts, visibility, taken, once, apart }));
             check_one_way(light, &left)?;
             if apart {

@@ -57,6 +57,12 @@ impl Volume<'_> {
     }
 }
 
+/// Whether the volumes of a light are to leave alone what lies in their own caps' planes and is turned away from it: see
+/// [`Volume::falls_on_itself`].
+pub fn falls_on_itself(light: &LightPlan<'_>) -> bool {
+    light.layer().is_some() || light.has_size()
+}
+
 /// Where shaders find cut vertices.
 const CUTS_BINDING: u32 = 4;
 

@@ -47,7 +47,8 @@ pub enum Closure {
     /// Not at all: they cast as they are, exactly.
     #[default]
     None,
-    /// By caps over their open loops, which cast too: wrong where light shines through an opening.
+    /// By caps over their open loops, which cast too: wrong where light shines through an opening, and where a cap
+    /// passes through its mesh.
     Cap,
     /// By the reverse of every face; exact.
     Backfaces,
