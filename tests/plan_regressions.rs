@@ -120,7 +120,6 @@ fn casters_that_come_to_nothing_leave_nothing_to_darken() {
         ("ShadowVolumeHard", vec![("passes", "single")]),
         ("ShadowVolumeSoft", vec![("apply", "darken"), ("radius", "0")]),
         ("ShadowVolumeSoft", vec![("apply", "darken"), ("radius", "0.1")]),
-        ("SoftShadow", vec![("weight", "0.5")]),
         ("TransparentShadow", vec![]),
     ] {
         let mut scene = with_floor();

@@ -88,7 +88,7 @@ impl Pixels {
             light.factor.extend(next.factor);
             light.compared.extend(next.compared);
             light.ambiguous.extend(next.ambiguous);
-            light.grazed.extend(next.grazed);
+            light.uncounted.extend(next.uncounted);
             light.tied.extend(next.tied.into_iter().map(|(tie, answer)| (tie + ties, answer)));
             if let (Some(soft), Some(next)) = (&mut light.soft, next.soft) {
                 soft.bounds.extend(next.bounds);
@@ -134,7 +134,7 @@ impl PixelReference {
         tint: [1.0; 3],
         compared: false,
         ambiguous: false,
-        grazed: false,
+        uncounted: false,
     };
 }
 
@@ -144,7 +144,7 @@ impl LightReference {
         self.factor.extend(&answer.factor[..channels]);
         self.compared.push(answer.compared);
         self.ambiguous.push(answer.ambiguous);
-        self.grazed.push(answer.grazed);
+        self.uncounted.push(answer.uncounted);
         if let Some(soft) = &mut self.soft {
             soft.bounds.extend(&answer.bounds[..channels]);
         }
@@ -157,7 +157,7 @@ impl LightReference {
         self.factor[values.clone()].copy_from_slice(&answer.factor[..channels]);
         self.compared[pixel] = answer.compared;
         self.ambiguous[pixel] = answer.ambiguous;
-        self.grazed[pixel] = answer.grazed;
+        self.uncounted[pixel] = answer.uncounted;
         if let Some(soft) = &mut self.soft {
             soft.bounds[values].copy_from_slice(&answer.bounds[..channels]);
         }

@@ -175,17 +175,19 @@ impl Reference {
                 let extra = (chosen.skipped + number).checked_sub(before);
                 if extra.is_some_and(|extra| extra < in_opaque_plane.len()) && !chosen.from_behind {
                     for (other, t) in &in_opaque_plane {
-                        pixels.push_tie(self, None, &Moved::on(other, view, place, *t), askers);
+                        let other = Moved::on(other, view, place, *t);
+                        let in_plane = tracer.in_plane_of(&other, view, place);
+                        pixels.push_tie(self, None, &other.among(&in_plane), askers);
                     }
                 }
                 continue;
             };
-            let mut moved = Moved::on(surface, view, place, *t);
+            let moved = Moved::on(surface, view, place, *t);
             let in_plane = tracer.in_plane_of(&moved, view, place);
-            moved.rims = in_plane.rims;
+            let moved = moved.among(&in_plane);
             pixels.push(Some(&moved), askers);
-            for other in in_plane.showing {
-                let other = Moved { rims: moved.rims.clone(), ..Moved::on(other, view, place, *t) };
+            for other in &in_plane.showing {
+                let other = Moved::on(other, view, place, *t).among(&in_plane);
                 pixels.push_tie(self, Some(&moved), &other, askers);
             }
         }

@@ -12,7 +12,8 @@
 //! picture is exact. So that the band excuses nothing but edges, it may not be wider than what edges need: the band of a
 //! light with a size is the mean of the bands of its samples' own shadows (the sum of all pixels' bounds), and compared with
 //! the mean of their boundaries: the rule of hard shadows, sample by sample, averaged. Pixels that the light but grazes
-//! ([`super::GRAZED`]) do not count for that: they are in the band by whole surfaces, and nothing of the light is seen there.
+//! ([`super::GRAZED`]) do not count for that: they are in the band by whole surfaces, and nothing of the light is seen there. Nor do
+//! those next to which the surface, or a caster in its plane, ends ([`super::ties`]): these are edges, by which no shadow may begin.
 //!
 //! A factor has one channel or three. A coloured one is judged channel by channel, and as a whole by the channel that
 //! differs most at each pixel.
@@ -36,8 +37,8 @@ pub const BAND_FLOOR_PIXELS: usize = 16;
 /// says nothing: edges cross a pixel centre's 1/256 neighbourhood in about 1 % of pixels even when every pixel has one.
 pub const MAX_DIFFERENT_SHARE: f64 = 0.1;
 
-/// So many may differ wherever: of a strip that five pixels show, one is more than that share.
-pub const DIFFERENT_FLOOR_PIXELS: usize = 2;
+/// So many may differ wherever: of a strip that ten pixels show, two are more than that share.
+pub const DIFFERENT_FLOOR_PIXELS: usize = 4;
 
 /// Factors that differ by more are wrong.
 const WRONG_FROM: f64 = 0.5;
@@ -271,7 +272,7 @@ fn compare_light(
         if light.compared[pixel] && light.ambiguous[pixel] {
             let width = |channel| light.bounds(pixel, channel, 0.0).into_iter().rev().reduce(|a, b| a - b);
             error.band_pixels += 1;
-            let counts = if light.is_grazed(pixel) { 0..0 } else { 0..channels };
+            let counts = if light.is_uncounted(pixel) { 0..0 } else { 0..channels };
             band_px += counts.filter_map(width).map(f64::from).fold(0.0, f64::max);
         }
         if !sees_same(*ids, *hit) {

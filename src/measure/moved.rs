@@ -26,7 +26,7 @@ use glam::{DVec3, DVec4};
 use super::reference::{CasterSet, Hit, Reference};
 use super::render::{CORNER_SNAP, DEPTH_ULPS, PIXEL_MOVE};
 use super::surface::Triangle;
-use super::ties::Rim;
+use super::ties::{InPlane, Rim};
 use super::view::View;
 
 /// The centre, four moves on the plane, two in depth.
@@ -52,6 +52,8 @@ pub(super) struct Moved<'a> {
     pub(super) eye_side: i32,
     /// Where casters' surfaces in its plane end, as far as anybody has looked.
     pub(super) rims: Vec<Rim<'a>>,
+    /// Whether the surface itself ends within the snap, as far as anybody has looked.
+    pub(super) at_edge: bool,
 }
 
 impl<'a> Moved<'a> {
@@ -101,7 +103,12 @@ impl<'a> Moved<'a> {
             }
         }
         let eye_side = surface.facing(view.eye);
-        Self { surface, points, corners, lost, is_tilted, eye_side, rims: Vec::new() }
+        Self { surface, points, corners, lost, is_tilted, eye_side, rims: Vec::new(), at_edge: false }
+    }
+
+    /// With what lies in its plane.
+    pub(super) fn among(self, in_plane: &InPlane<'a>) -> Self {
+        Self { rims: in_plane.rims.clone(), at_edge: in_plane.at_edge, ..self }
     }
 
     /// Whether a volume of one of `casters` may hang from an edge that is as near to it, in its own plane, as corners are snapped.

@@ -4,7 +4,7 @@
 //! eye and light are on opposite sides of it; of a transparent one no side is dark by itself, since light passes it.
 //! That holds sample by sample for a light with a size.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, DVec4, Vec3};
 
 use super::area::{SizedQuery, boundary_px};
 use super::disc::DiscTracer;
@@ -119,13 +119,16 @@ impl Asker<'_> {
         let anything = changes || (ambiguous && self.query.sized.is_empty());
         let bounds = |channel: usize| if anything { [0.0, 1.0] } else { [least[channel], largest[channel]] };
         let bounds = [bounds(0), bounds(1), bounds(2)];
-        let grazed = ambiguous && self.is_grazed(moved);
-        PixelReference { factor, bounds, tint: tint.as_vec3().to_array(), compared, ambiguous, grazed }
+        // Where nothing of the light is seen, and at edges by the very reason for being in it, the band is no wider than it may be.
+        let light = self.tracer.reference.lights[self.query.light].position;
+        let is_at_rim = moved.is_at_rim(light, &self.query.casters)
+            || self.query.transparent.as_ref().is_some_and(|casters| moved.is_at_rim(light, casters));
+        let uncounted = ambiguous && (moved.at_edge || is_at_rim || self.is_grazed(moved, light));
+        PixelReference { factor, bounds, tint: tint.as_vec3().to_array(), compared, ambiguous, uncounted }
     }
 
     /// Whether no more than [`GRAZED`] of the light can reach the surface: the sine of its height, and of its radius.
-    fn is_grazed(&self, moved: &Moved<'_>) -> bool {
-        let light = self.tracer.reference.lights[self.query.light].position;
+    fn is_grazed(&self, moved: &Moved<'_>, light: DVec4) -> bool {
         let offset = light - moved.points[0].extend(0.0) * light.w;
         let distance = offset.truncate().length();
         let height = moved.surface.normal().normalize_or_zero().dot(offset.truncate()).abs();

@@ -87,9 +87,10 @@ pub struct LightReference {
     pub compared: Vec<bool>,
     /// Whether the factor changes under the moves of the ambiguity band.
     pub ambiguous: Vec<bool>,
-    /// Whether the light but grazes the surface ([`GRAZED`]): nothing of it is seen there, whatever the factor. Empty where nobody
-    /// asked.
-    pub grazed: Vec<bool>,
+    /// Whether an ambiguous pixel does not count for the band's limit: where the light but grazes the surface ([`GRAZED`]), and
+    /// nothing of it is seen whatever the factor, and where the surface or a caster in its plane ends within the snap, which is an
+    /// edge. Empty where nobody asked.
+    pub uncounted: Vec<bool>,
     /// By how much, where the light has a size; without one, an ambiguous factor may be anything.
     pub soft: Option<SoftBounds>,
     /// What is said of those [`ReferenceImage::ties`], by their places in that list, of which something else is said than
@@ -110,14 +111,14 @@ pub struct PixelReference {
     pub compared: bool,
     /// Whether it changes under the moves of the ambiguity band.
     pub ambiguous: bool,
-    /// Whether the light but grazes the surface: see [`GRAZED`].
-    pub grazed: bool,
+    /// See [`LightReference::uncounted`].
+    pub uncounted: bool,
 }
 
 impl LightReference {
-    /// Whether the light but grazes what a pixel shows.
-    pub(super) fn is_grazed(&self, pixel: usize) -> bool {
-        self.grazed.get(pixel).copied().unwrap_or_default()
+    /// Whether a pixel does not count for the band's limit.
+    pub(super) fn is_uncounted(&self, pixel: usize) -> bool {
+        self.uncounted.get(pixel).copied().unwrap_or_default()
     }
 
     /// The least and the largest factor that is right at a pixel, whose factor is `exact` in this `channel`.
@@ -174,15 +175,15 @@ impl Reference {
                 let place = antialias.sample_place_px([x, y]);
                 let seen = view.first_hit(&mut first, place);
                 let moved = seen.and_then(|(hit, t)| Moved::new(self, &view, place, hit, t));
-                let (Some(mut moved), Some((_, t))) = (moved, seen) else {
+                let (Some(moved), Some((_, t))) = (moved, seen) else {
                     pixels.push(None, &mut askers);
                     continue;
                 };
                 let in_plane = first.in_plane_of(&moved, &view, place);
-                moved.rims = in_plane.rims;
+                let moved = moved.among(&in_plane);
                 pixels.push(Some(&moved), &mut askers);
-                for other in in_plane.showing {
-                    let other = Moved { rims: moved.rims.clone(), ..Moved::on(other, &view, place, t) };
+                for other in &in_plane.showing {
+                    let other = Moved::on(other, &view, place, t).among(&in_plane);
                     pixels.push_tie(self, Some(&moved), &other, &mut askers);
                 }
             }

@@ -42,6 +42,8 @@ pub(super) struct InPlane<'a> {
     pub(super) showing: Vec<&'a Triangle>,
     /// The rims of casters of both kinds.
     pub(super) rims: Vec<Rim<'a>>,
+    /// Whether the surface that is seen ends there, or goes on in another plane.
+    pub(super) at_edge: bool,
 }
 
 impl<'a> Tracer<'a> {
@@ -65,7 +67,7 @@ impl<'a> Tracer<'a> {
                         && shows(triangle)
                 }));
             }
-            self.add_rims(&coplanar, moved, view, place, &mut found.rims);
+            found.at_edge |= self.add_rims(&coplanar, moved, view, place, &mut found.rims);
         }
         found
     }
@@ -97,7 +99,7 @@ impl<'a> Tracer<'a> {
         found
     }
 
-    /// Adds the rims of those of `coplanar` that cast.
+    /// Adds the rims of those of `coplanar` that cast; whether the surface that is seen ends.
     fn add_rims(
         &mut self,
         coplanar: &[&'a Triangle],
@@ -105,11 +107,14 @@ impl<'a> Tracer<'a> {
         view: &View<'_>,
         place: [f64; 2],
         rims: &mut Vec<Rim<'a>>,
-    ) {
-        let mut casters: Vec<u32> = coplanar.iter().filter(|t| t.casts).map(|t| t.instance).collect();
-        casters.sort_unstable();
-        casters.dedup();
-        for instance in casters {
+    ) -> bool {
+        let is_own = |triangle: &Triangle| triangle.instance == moved.surface.instance;
+        let mut instances: Vec<u32> =
+            coplanar.iter().filter(|t| t.casts || is_own(t)).map(|t| t.instance).collect();
+        instances.sort_unstable();
+        instances.dedup();
+        let mut at_edge = false;
+        for instance in instances {
             // A surface goes on beyond an edge that two of its triangles share: as many are there as here.
             let own = || coplanar.iter().filter(|triangle| triangle.instance == instance);
             let mut covering = rays(view, place).map(|(from, direction)| {
@@ -122,25 +127,29 @@ impl<'a> Tracer<'a> {
                     continue;
                 }
                 let ends = there < here && instance == moved.surface.instance;
+                at_edge |= ends;
                 let beyond = ends.then(|| self.beyond(moved, view, [place[0] + dx, place[1] + dy]));
                 rims.push(Rim { instance, seen: moved.surface, beyond: beyond.flatten() });
             }
         }
+        at_edge
     }
 
     /// The triangle in which the surface that is seen goes on at `place`, in another plane.
     fn beyond(&mut self, moved: &Moved<'a>, view: &View<'_>, place: [f64; 2]) -> Option<&'a Triangle> {
         let reference = self.reference;
-        let is_own = |triangle: &&Triangle| triangle.instance == moved.surface.instance;
-        if !moved.surface.lets_light_pass {
-            return view.first_hit(self, place).and_then(|(hit, _)| reference.surface(hit)).filter(is_own);
+        let seen = moved.surface;
+        let goes_on = |triangle: &&Triangle| {
+            let shared = triangle.corners.iter().filter(|corner| seen.corners.contains(corner));
+            triangle.instance == seen.instance && shared.count() >= 2
+        };
+        if !seen.lets_light_pass {
+            return view.first_hit(self, place).and_then(|(hit, _)| reference.surface(hit)).filter(goes_on);
         }
         let (from, direction) = view.ray(place);
         let [near_m, far_m] = view.range_m();
-        let distance = |(_, t): &(&Triangle, f64)| (from + direction * *t - moved.points[0]).length();
         let layers = self.layers(from, direction, near_m, far_m).into_iter();
-        let own = layers.filter(|(triangle, _)| triangle.instance == moved.surface.instance);
-        own.min_by(|a, b| distance(a).total_cmp(&distance(b))).map(|(triangle, _)| triangle)
+        layers.map(|(triangle, _)| triangle).find(goes_on)
     }
 }
 

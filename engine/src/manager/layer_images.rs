@@ -12,7 +12,7 @@ use super::assembly::{Assembly, engine_shader};
 use super::frame::{Planner, Seen};
 use super::layers::Receiving;
 use super::request::FrameError;
-use super::segments::{Part, Segment};
+use super::segments::Segment;
 use crate::plan::{
     Access, Binding, BlendState, ColorTarget, CompareFunction, DepthTarget, Draw, DrawState, FactorAt,
     LightPlanned, Load, Pass, PlanBuilder, SlotId, SlotKind, SurfaceStyle,
@@ -102,8 +102,10 @@ impl Assembly<'_> {
     ) {
         // By itself, or else as it is shaded: then it has one part.
         let part = |segment: &Segment| segment.alone.as_ref().or(segment.shaded.first()).cloned();
-        let counted = segments.iter().filter_map(part).filter(Part::is_counted).count();
-        for (segment, light) in segments.into_iter().zip(lights).filter(|(segment, _)| segment.claimed) {
+        // Whatever else the next light has, it may count as well.
+        let last = segments.iter().rposition(|segment| segment.claimed && part(segment).is_some());
+        let claimed = segments.into_iter().zip(lights).enumerate().filter(|(_, (s, _))| s.claimed);
+        for (index, (segment, light)) in claimed {
             let part = part(&segment).filter(|_| shadowed);
             let place = part.as_ref().map_or(FactorAt::Lit, |part| {
                 self.passes_of(part, &light.name);
@@ -111,7 +113,7 @@ impl Assembly<'_> {
             });
             let image = self.layer_factor_image((layer, triangles), &light.name, place);
             light.layer_factor_images.push(image);
-            if counted > 1 && part.is_some_and(|part| part.is_counted()) {
+            if Some(index) != last && part.is_some_and(|part| part.is_counted()) {
                 let forget = self.forget_counts(&light.name);
                 self.b.passes.push(forget);
             }

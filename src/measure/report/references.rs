@@ -187,8 +187,10 @@ fn encode(traced: &Traced, key: u64) -> Vec<u8> {
         bytes.extend(light.name.as_bytes());
         bytes.extend((light.factor.len() as u32).to_le_bytes());
         light.factor.iter().for_each(|factor| bytes.extend(factor.to_le_bytes()));
-        let flags = light.compared.iter().zip(&light.ambiguous).zip(&light.grazed);
-        bytes.extend(flags.map(|((compared, ambiguous), grazed)| flags_of([*compared, *ambiguous, *grazed])));
+        let flags = light.compared.iter().zip(&light.ambiguous).zip(&light.uncounted);
+        bytes.extend(
+            flags.map(|((compared, ambiguous), uncounted)| flags_of([*compared, *ambiguous, *uncounted])),
+        );
         bytes.push(u8::from(light.soft.is_some()));
         if let Some(soft) = &light.soft {
             bytes.extend(soft.same_samples.unwrap_or(0).to_le_bytes());
@@ -201,7 +203,7 @@ fn encode(traced: &Traced, key: u64) -> Vec<u8> {
             let values = [answer.factor, answer.tint].concat();
             let values = values.iter().chain(answer.bounds.as_flattened());
             values.for_each(|value| bytes.extend(value.to_le_bytes()));
-            bytes.push(flags_of([answer.compared, answer.ambiguous, answer.grazed]));
+            bytes.push(flags_of([answer.compared, answer.ambiguous, answer.uncounted]));
         }
     }
     let sum = checksum(&bytes);
@@ -242,7 +244,7 @@ impl<'a> Reader<'a> {
             tint,
             compared: flags & 1 == 1,
             ambiguous: flags >> 1 & 1 == 1,
-            grazed: flags >> 2 & 1 == 1,
+            uncounted: flags >> 2 & 1 == 1,
         })
     }
 }
@@ -276,7 +278,7 @@ fn decode(bytes: &[u8], key: u64) -> Option<Traced> {
         let factor = numbers(reader.take(values.checked_mul(4)?)?).into_iter().map(f32::from_bits).collect();
         let flags = reader.take(pixels)?;
         let flag = |bit: u8| flags.iter().map(|flags| flags >> bit & 1 == 1).collect();
-        let (compared, ambiguous, grazed) = (flag(0), flag(1), flag(2));
+        let (compared, ambiguous, uncounted) = (flag(0), flag(1), flag(2));
         let soft = match reader.bytes::<1>()? {
             [0] => None,
             _ => {
@@ -292,7 +294,7 @@ fn decode(bytes: &[u8], key: u64) -> Option<Traced> {
         for _ in 0..reader.number()? {
             tied.push((reader.number()?, reader.answer()?));
         }
-        lights.push(LightReference { name, factor, compared, ambiguous, grazed, soft, tied });
+        lights.push(LightReference { name, factor, compared, ambiguous, uncounted, soft, tied });
     }
     let image = ReferenceImage { size_px, hits, ties, lights };
     reader.0.is_empty().then_some(Traced { image, trace_ms })
@@ -309,14 +311,14 @@ mod tests {
             tint: [1.0, 0.75, 0.5],
             compared: false,
             ambiguous: true,
-            grazed: true,
+            uncounted: true,
         };
         let light = LightReference {
             name: "lämp".into(),
             factor: vec![0.25, 1.0],
             compared: vec![true, false],
             ambiguous: vec![false, true],
-            grazed: vec![true, false],
+            uncounted: vec![true, false],
             soft: Some(SoftBounds {
                 same_samples: Some(16),
                 bounds: vec![[0.25, 0.5], [1.0, 1.0]],
