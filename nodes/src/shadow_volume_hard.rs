@@ -46,7 +46,7 @@ use crate::common::layer_groups::{Caster, MAX_COUNT, group_by_layers};
 use crate::common::masked;
 use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
 use crate::common::volume_draws::{Volume, falls_on_itself, upload};
-use draws::{Counter, counting_draws, fold_pass};
+use draws::{Counter, Fold, counting_draws, fold_pass};
 pub(crate) use float_counts::Layers;
 use float_counts::count_in_float;
 use options::TYPE_NAME;
@@ -139,10 +139,15 @@ fn count_in_stencil(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) {
     let buffers = upload(light, volumes, &groups.groups, Weights::Repeated);
     let mut first_record = 0;
     for (index, group) in groups.groups.iter().enumerate() {
-        if groups.folds && (index > 0 || before > 0) {
-            light.pass(fold_pass(light, &depth));
+        let folds: &[Fold] = match (groups.folds, index) {
+            (true, 0) if before > 0 => &[Fold::Others, Fold::Group],
+            (true, 1..) => &[Fold::Group],
+            _ => &[],
+        };
+        if !folds.is_empty() {
+            light.pass(fold_pass(light, &depth, folds));
         }
-        let counter = if groups.folds { Counter::BesideStickyBit } else { Counter::AllBits };
+        let counter = if groups.folds { Counter::InGroups } else { Counter::AllBits };
         let draws = group
             .iter()
             .enumerate()
@@ -152,6 +157,9 @@ fn count_in_stencil(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) {
             .collect();
         first_record += group.len() as u32;
         light.pass(volumes_pass(light, group.len(), vec![], depth.clone(), draws));
+    }
+    if groups.folds {
+        light.pass(fold_pass(light, &depth, &[Fold::Last]));
     }
 }
 

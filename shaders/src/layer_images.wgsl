@@ -25,7 +25,7 @@ fn factor(@builtin(position) position: vec4f) -> @location(0) vec4f {
     }
     var result = vec3f(1.0);
 #if COUNTS
-    if textureLoad(counts, pixel, 0).x != 0u {
+    if textureLoad(counts, pixel, 0).x > AT_REST {
         result = vec3f(0.0);
     }
 #endif

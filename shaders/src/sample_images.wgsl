@@ -35,7 +35,7 @@ fn factor(@builtin(position) position: vec4f) -> @location(0) vec4f {
         return vec4f(0.0, 0.0, 0.0, 1.0);
     }
 #if COUNTS
-    if textureLoad(counts, texel / 2u, (texel.x & 1u) + (texel.y & 1u) * 2u).x != 0u {
+    if textureLoad(counts, texel / 2u, (texel.x & 1u) + (texel.y & 1u) * 2u).x > AT_REST {
         return vec4f(0.0, 0.0, 0.0, 1.0);
     }
 #endif

@@ -33,10 +33,10 @@ fn count_back(@builtin(front_facing) entering: bool) -> @location(0) vec4f {
 
 @group(1) @binding(2) var counts: texture_2d<f32>;
 
-// Darkness wherever the sum is not zero.
+// Darkness wherever more volumes were entered than left.
 @fragment
 fn darken_counted(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    if textureLoad(counts, vec2u(position.xy), 0).x == 0.0 {
+    if textureLoad(counts, vec2u(position.xy), 0).x <= 0.0 {
         discard;
     }
     return vec4f(0.0);

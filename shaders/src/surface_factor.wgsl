@@ -73,7 +73,7 @@ fn factor(in: Varyings) -> @location(0) vec4f {
     let pixel = vec2u(in.clip.xy);
     var result = vec3f(1.0);
 #if COUNTS
-    if textureLoad(counts, pixel, 0).x != 0u {
+    if textureLoad(counts, pixel, 0).x > AT_REST {
         result = vec3f(0.0);
     }
 #endif

@@ -173,12 +173,13 @@ fn factor_at(kind: u32, index: u32, pixel: vec2u) -> vec3f {
 #endif
     {
 #if MULTISAMPLED
-        return mean_factor(vec4u(
+        let counted = vec4u(
             textureLoad(counts, pixel, 0).x, textureLoad(counts, pixel, 1).x,
             textureLoad(counts, pixel, 2).x, textureLoad(counts, pixel, 3).x,
-        ));
+        );
+        return mean_factor(vec4u(counted > vec4u(AT_REST)));
 #else
-        return select(vec3f(1.0), vec3f(0.0), textureLoad(counts, pixel, 0).x != 0u);
+        return select(vec3f(1.0), vec3f(0.0), textureLoad(counts, pixel, 0).x > AT_REST);
 #endif
     }
 #endif

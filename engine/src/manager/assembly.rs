@@ -5,7 +5,7 @@ use wgpu::TextureFormat;
 use super::layers::Layered;
 use super::request::{Adapter, FrameError, FrameRequest};
 use super::segments::{Part, Segment};
-use super::states::{ADD_CONSTANT, ZERO_WHERE_COUNTED};
+use super::states::{ADD_CONSTANT, CLEAR_STENCIL, FREE_WHERE_COUNTED};
 use super::surfaces::Surfaces;
 use crate::plan::{
     ALL_TAKEN, Access, Antialias, Binding, BlendState, ColorTarget, CompareFunction, DepthTarget, Draw,
@@ -255,7 +255,7 @@ impl Assembly<'_> {
             depth: Some(DepthTarget {
                 slot: self.depth,
                 depth: Access::Clear(0.0),
-                stencil: stencil.then_some(Access::Clear(0.0)),
+                stencil: stencil.then_some(CLEAR_STENCIL),
             }),
             draws: vec![self.surfaces_draw("opaque surfaces", SurfaceStyle::Depth, None, state)],
         }
@@ -311,13 +311,13 @@ impl Assembly<'_> {
         runs.map(draw).collect()
     }
 
-    /// Marks a light's shadow in the mask and sets the stencil back to zero for the next light.
+    /// Marks a light's shadow in the mask and sets counts back for the next light.
     pub(super) fn resolve_to_mask(&self, light: &str, mask: SlotId, bit: u32) -> Pass {
         let layer = bit / 32;
         let first = bit.is_multiple_of(32);
         let mut state = DrawState::new(CompareFunction::Always, vec![Some(ADD_CONSTANT)]);
         state.blend_constant[(bit as usize / 8) % 4] = f64::from(1u32 << (bit % 8)) / 255.0;
-        state.stencil = Some(ZERO_WHERE_COUNTED);
+        state.stencil = Some(FREE_WHERE_COUNTED);
         Pass {
             name: format!("resolve {light}"),
             reason: format!("its counts become bit {bit} of the light mask, and the stencil is free again"),
@@ -339,7 +339,7 @@ impl Assembly<'_> {
     /// Writes darkness where a light that also has a visibility target was counted as shadowed.
     fn resolve_to_visibility(&self, light: &str, layer: u32) -> Pass {
         let mut state = DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]);
-        state.stencil = Some(ZERO_WHERE_COUNTED);
+        state.stencil = Some(FREE_WHERE_COUNTED);
         Pass {
             name: format!("resolve {light}"),
             reason: "its counts darken its visibility, and the stencil is free again".into(),

@@ -7,7 +7,7 @@ use wgpu::TextureFormat;
 
 use super::assembly::{Assembly, engine_shader};
 use super::segments::Part;
-use super::states::{TIMES_ONE_MINUS_CONSTANT, WHERE_COUNTED, ZERO_WHERE_COUNTED};
+use super::states::{FREE_WHERE_COUNTED, TIMES_ONE_MINUS_CONSTANT, WHERE_COUNTED};
 use super::surfaces::Surfaces;
 use crate::plan::{
     Access, Binding, BlendState, BufferUsage, ColorTarget, CompareFunction, DepthTarget, Draw, DrawState,
@@ -55,7 +55,7 @@ impl Assembly<'_> {
                 let [r, g, b] = part.taken.map(f64::from);
                 state.blend_constant = [r, g, b, 0.0];
                 // Counts in front of the sky stay; nothing is ever shadowed there.
-                state.stencil = Some(ZERO_WHERE_COUNTED);
+                state.stencil = Some(FREE_WHERE_COUNTED);
                 self.resolve_draw("darken", state)
             }
         };
@@ -119,14 +119,14 @@ impl Assembly<'_> {
         self.surfaces.opaque.iter().filter(receives_nothing).copied().collect()
     }
 
-    /// Sets the stencil to zero where surfaces are seen that receive no shadows.
+    /// Sets counts back where surfaces are seen that receive no shadows.
     fn forget_where_nothing_is_received(&mut self) {
         let parts = self.receive_nothing();
         if parts.is_empty() {
             return;
         }
         let mut state = DrawState::new(CompareFunction::Equal, vec![]);
-        state.stencil = Some(ZERO_WHERE_COUNTED);
+        state.stencil = Some(FREE_WHERE_COUNTED);
         let draw = Draw {
             name: "surfaces that receive nothing".into(),
             shader: None,
@@ -139,12 +139,12 @@ impl Assembly<'_> {
         self.b.passes.push(self.stencil_pass("unmark".into(), reason, draw));
     }
 
-    /// Sets the stencil back to zero after one light's factor was taken from it.
+    /// Sets counts back after one light's factor was taken from them.
     pub(super) fn forget_counts(&self, light: &str) -> Pass {
         let draw = self.resolve_draw(
             "mark",
             DrawState {
-                stencil: Some(ZERO_WHERE_COUNTED),
+                stencil: Some(FREE_WHERE_COUNTED),
                 ..DrawState::new(CompareFunction::Always, vec![])
             },
         );

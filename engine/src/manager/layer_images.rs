@@ -13,6 +13,7 @@ use super::frame::{Planner, Seen};
 use super::layers::Receiving;
 use super::request::FrameError;
 use super::segments::Segment;
+use super::states::CLEAR_STENCIL;
 use crate::plan::{
     Access, Binding, BlendState, ColorTarget, CompareFunction, DepthTarget, Draw, DrawState, FactorAt,
     LightPlanned, Load, Pass, PlanBuilder, SlotId, SlotKind, SurfaceStyle,
@@ -102,8 +103,9 @@ impl Assembly<'_> {
     ) {
         // By itself, or else as it is shaded: then it has one part.
         let part = |segment: &Segment| segment.alone.as_ref().or(segment.shaded.first()).cloned();
-        // Whatever else the next light has, it may count as well.
-        let last = segments.iter().rposition(|segment| segment.claimed && part(segment).is_some());
+        // A later light may count as well, whatever else it has.
+        let counts = |segment: &Segment| segment.claimed && part(segment).is_some_and(|part| part.counts);
+        let last = segments.iter().rposition(counts);
         let claimed = segments.into_iter().zip(lights).enumerate().filter(|(_, (s, _))| s.claimed);
         for (index, (segment, light)) in claimed {
             let part = part(&segment).filter(|_| shadowed);
@@ -113,7 +115,7 @@ impl Assembly<'_> {
             });
             let image = self.layer_factor_image((layer, triangles), &light.name, place);
             light.layer_factor_images.push(image);
-            if Some(index) != last && part.is_some_and(|part| part.is_counted()) {
+            if last.is_some_and(|last| last > index) && part.is_some_and(|part| part.is_counted()) {
                 let forget = self.forget_counts(&light.name);
                 self.b.passes.push(forget);
             }
@@ -131,7 +133,7 @@ impl Assembly<'_> {
         let mut state = DrawState::new(CompareFunction::Greater, vec![Some(BlendState::REPLACE)]);
         state.depth_write = true;
         let shader = engine_shader("surface_peel", &flags, "vertex", Some("peel"));
-        let stencil = self.depth_read().stencil.map(|_| Access::Clear(0.0));
+        let stencil = self.depth_read().stencil.map(|_| CLEAR_STENCIL);
         let nothing = f64::from(u32::MAX);
         self.b.passes.push(Pass {
             name: "peel".into(),

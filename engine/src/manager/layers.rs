@@ -23,6 +23,7 @@ use super::layer_images::LookedAt;
 use super::request::{FrameError, FrameRequest};
 use super::segments::{Part, Segment};
 use super::sorted::Sorted;
+use super::states::CLEAR_STENCIL;
 use super::surfaces::Surfaces;
 use crate::plan::{
     Access, Antialias, Binding, BlendState, ColorTarget, CompareFunction, DepthTarget, Draw, DrawState,
@@ -243,7 +244,7 @@ impl Assembly<'_> {
         };
         let mut state = DrawState::new(compare, vec![]);
         state.depth_write = true;
-        let stencil = self.depth_read().stencil.map(|_| Access::Clear(0.0));
+        let stencil = self.depth_read().stencil.map(|_| CLEAR_STENCIL);
         self.b.passes.push(Pass {
             name: "depth".into(),
             reason: reason.into(),

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::assembly::Assembly;
 use super::sorted::Sorted;
+use super::states::CLEAR_STENCIL;
 use super::surface_functions;
 use crate::gpu::TintUniform;
 use crate::plan::{
@@ -34,7 +35,7 @@ impl Assembly<'_> {
             state.depth_compare = CompareFunction::Greater;
             state.depth_write = true;
             depth.depth = Access::Clear(0.0);
-            depth.stencil = counts.then_some(Access::Clear(0.0));
+            depth.stencil = counts.then_some(CLEAR_STENCIL);
         }
         let mut draws = vec![self.surfaces_draw("opaque surfaces", SurfaceStyle::Opaque, None, state)];
         draws[0].bindings = bindings;

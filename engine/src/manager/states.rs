@@ -1,8 +1,8 @@
 //! How the engine's own passes blend, and what they do with counts in the stencil.
 
 use crate::plan::{
-    BlendComponent, BlendFactor, BlendOperation, BlendState, CompareFunction, Stencil, StencilFaceState,
-    StencilOperation,
+    Access, BlendComponent, BlendFactor, BlendOperation, BlendState, CompareFunction, STENCIL_AT_REST,
+    Stencil, StencilFaceState, StencilOperation,
 };
 
 /// dst + constant.
@@ -26,18 +26,22 @@ pub(super) const TIMES_ONE_MINUS_CONSTANT: BlendState = {
     BlendState { color: scale, alpha: keep }
 };
 
-/// Draws where the stencil is not zero, and leaves zero there.
-pub(super) const ZERO_WHERE_COUNTED: Stencil = where_counted(StencilOperation::Zero, 0xff);
+/// Draws where counts say that something casts, and sets them back everywhere.
+pub(super) const FREE_WHERE_COUNTED: Stencil = where_counted(StencilOperation::Replace, 0xff);
 
-/// Draws where the stencil is not zero, and leaves it.
+/// Draws where counts say that something casts, and leaves them.
 pub(super) const WHERE_COUNTED: Stencil = where_counted(StencilOperation::Keep, 0);
 
-const fn where_counted(pass_op: StencilOperation, write_mask: u8) -> Stencil {
+const fn where_counted(op: StencilOperation, write_mask: u8) -> Stencil {
     let face = StencilFaceState {
-        compare: CompareFunction::NotEqual,
-        fail_op: StencilOperation::Keep,
+        // The reference is less than what the stencil holds.
+        compare: CompareFunction::Less,
+        fail_op: op,
         depth_fail_op: StencilOperation::Keep,
-        pass_op,
+        pass_op: op,
     };
-    Stencil { front: face, back: face, read_mask: 0xff, write_mask, reference: 0 }
+    Stencil { front: face, back: face, read_mask: 0xff, write_mask, reference: STENCIL_AT_REST }
 }
+
+/// Nothing is counted.
+pub(super) const CLEAR_STENCIL: Access = Access::Clear(STENCIL_AT_REST as f32);

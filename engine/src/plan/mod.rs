@@ -205,6 +205,11 @@ pub struct Shader {
     pub fragment: Option<Cow<'static, str>>,
 }
 
+/// What the stencil beside receivers' depth holds where nothing was counted. Entering a volume counts one up from here, leaving it
+/// one down, and what is above is dark. What is below is lit: nothing is left that was not entered, so there a side was taken to
+/// be before what it touches by the rounding of depths, as happens at surfaces thinner than a pixel.
+pub const STENCIL_AT_REST: u8 = 128;
+
 /// How a draw tests and changes the stencil, for both faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Stencil {
@@ -218,6 +223,15 @@ pub struct Stencil {
     pub write_mask: u8,
     /// The reference value.
     pub reference: u8,
+}
+
+impl Stencil {
+    /// Whether it sets counts back to [`STENCIL_AT_REST`].
+    pub fn frees(&self) -> bool {
+        [self.front.fail_op, self.front.pass_op] == [StencilOperation::Replace; 2]
+            && self.reference == STENCIL_AT_REST
+            && self.write_mask == 0xff
+    }
 }
 
 /// The fixed-function state of a draw.

@@ -343,15 +343,15 @@ impl FramePlan {
         written.iter().any(|(slot, l)| *l == layer && self.slots[slot.0].name == name)
     }
 
-    /// A draw that sets the stencil back to zero must cover every draw that counted since the last one.
+    /// A draw that sets counts back must cover every draw that counted since the last one.
     fn check_counts_resolved(&self) -> Result<(), PlanError> {
-        let resolves = self.passes.iter().filter(|pass| pass.draws.iter().any(zeroes_stencil)).count();
+        let resolves = self.passes.iter().filter(|pass| pass.draws.iter().any(frees_stencil)).count();
         let factors = self.lights.iter().flat_map(LightPlanned::factors);
         let in_mask = factors.filter(|part| matches!(part.at, FactorAt::MaskBit(_))).count();
         let is_shared = |light: &&LightPlanned| light.factors().any(|part| part.at == FactorAt::Counts);
         let shared = self.lights.iter().find(is_shared);
         if let (Some(light), Some(pass)) =
-            (shared, self.passes.iter().find(|p| p.draws.iter().any(zeroes_stencil)))
+            (shared, self.passes.iter().find(|p| p.draws.iter().any(frees_stencil)))
         {
             return Err(PlanError::StencilShared { light: light.name.clone(), pass: pass.name.clone() });
         }
@@ -370,7 +370,7 @@ impl FramePlan {
             for draw in &pass.draws {
                 let Some(stencil) = draw.state.stencil else { continue };
                 let scissor = draw.scissor_px.unwrap_or(whole);
-                if stencil.front.pass_op == StencilOperation::Zero {
+                if stencil.frees() {
                     if let Some((pass, counted)) =
                         counted.iter().find(|(_, inner)| !contains(scissor, *inner))
                     {
@@ -401,8 +401,8 @@ fn changes(stencil: &super::Stencil) -> bool {
     })
 }
 
-fn zeroes_stencil(draw: &Draw) -> bool {
-    draw.state.stencil.is_some_and(|stencil| stencil.front.pass_op == StencilOperation::Zero)
+fn frees_stencil(draw: &Draw) -> bool {
+    draw.state.stencil.is_some_and(|stencil| stencil.frees())
 }
 
 fn writes_stencil(pass: &Pass) -> bool {

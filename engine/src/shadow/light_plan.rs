@@ -198,10 +198,11 @@ impl<'a> LightPlan<'a> {
     }
 
     /// The attachment for a pass that counts in the stencil: receivers' depth read-only, the stencil written. The
-    /// stencil holds 0 where nothing has counted for this light yet.
+    /// stencil holds [`STENCIL_AT_REST`](crate::plan::STENCIL_AT_REST) where nothing has counted for this light yet; more than that
+    /// is dark.
     ///
     /// `bound` is an upper bound on what this technique adds to any pixel's final count. Returned with the
-    /// attachment is the bound on what was there before: a technique whose sum would exceed 255 folds first.
+    /// attachment is the bound on what was there before: a technique whose sum would exceed 127 folds first.
     pub fn count_in_stencil(&mut self, bound: u32) -> (DepthTarget, u32) {
         if let SlotKind::Texture { format, .. } = &mut self.builder.slots[self.depth.0].kind {
             *format = TextureFormat::Depth32FloatStencil8;

@@ -1,9 +1,9 @@
 //! Counts of any size in eight bits.
 //!
-//! A stencil wraps at 256, so what a count may become is bounded before anything is counted. If all casters of a
-//! light together stay within the stencil, they are counted at once. Otherwise they are counted in groups of at most
-//! 127 layers, and between two groups a *fold* turns every count that is not zero into the sticky bit 7, which later
-//! counts (bits 0 to 6) leave alone.
+//! A stencil wraps at 256, and half of its values are above [`STENCIL_AT_REST`](shadowgraph_engine::plan::STENCIL_AT_REST), so what
+//! a count may become is bounded before anything is counted. If all casters of a light together stay within that, they are
+//! counted at once. Otherwise they are counted in groups of at most as many layers in bits 0 to 6, and between two groups a
+//! *fold* takes bit 7 away wherever a count is not zero: dark, whatever later counts say.
 
 use std::sync::Arc;
 
@@ -13,9 +13,9 @@ use shadowgraph_engine::shadow::{LightPlan, hash_of};
 
 use super::volume::{CastShape, CasterFacing};
 
-/// The largest count an 8-bit stencil holds.
-pub const MAX_COUNT: u32 = 255;
-/// The largest count beside the sticky bit.
+/// The largest count an 8-bit stencil holds above its rest.
+pub const MAX_COUNT: u32 = 127;
+/// The largest count beside the bit that says whether earlier groups were dark.
 pub const MAX_GROUP_COUNT: u32 = 127;
 
 /// A caster of one light with the triangles that cast.

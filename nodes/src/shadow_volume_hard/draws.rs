@@ -1,8 +1,8 @@
 //! How volumes are counted in the stencil.
 
 use shadowgraph_engine::plan::{
-    CompareFunction, DepthTarget, Draw, DrawState, Geometry, Pass, Shader, Stencil, StencilFaceState,
-    StencilOperation,
+    CompareFunction, DepthTarget, Draw, DrawState, Geometry, Pass, STENCIL_AT_REST, Shader, Stencil,
+    StencilFaceState, StencilOperation,
 };
 use shadowgraph_engine::shadow::LightPlan;
 
@@ -25,7 +25,7 @@ pub(super) enum Counter {
     /// All bits of the stencil.
     AllBits,
     /// Bits 0 to 6 of the stencil.
-    BesideStickyBit,
+    InGroups,
     /// A float target.
     Float,
 }
@@ -40,7 +40,7 @@ pub(super) fn counting_draws(
     volume_draws(volume, record, buffers, |how, flags| {
         let state = match counter {
             Counter::AllBits => stencil_state(volume.z_fail, how, 0xff),
-            Counter::BesideStickyBit => stencil_state(volume.z_fail, how, 0x7f),
+            Counter::InGroups => stencil_state(volume.z_fail, how, COUNT_BITS),
             Counter::Float => float_state(volume.z_fail, how),
         };
         let fragment = (counter == Counter::Float).then_some(match how.front_faces() {
@@ -74,17 +74,47 @@ fn stencil_state(z_fail: bool, how: How, write_mask: u8) -> DrawState {
     state
 }
 
-/// Wherever bits 0 to 6 are not all zero: bit 7 alone.
-pub(super) fn fold_pass(light: &LightPlan<'_>, depth: &DepthTarget) -> Pass {
+/// What groups count in. Bit 7 is set where no earlier group was dark, as it is at rest.
+const COUNT_BITS: u8 = 0x7f;
+
+/// What a fold does to counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Fold {
+    /// What others counted at once: what is below rest is lit.
+    Others,
+    /// Takes bit 7 away wherever a group counted something, and lets the next one start again.
+    Group,
+    /// Says of what earlier groups found dark what all others say of dark.
+    Last,
+}
+
+/// A draw over the whole target that does one fold.
+fn fold_draw(fold: Fold) -> Draw {
+    let (compare, read_mask, reference) = match fold {
+        Fold::Others => (CompareFunction::Greater, 0xff, STENCIL_AT_REST),
+        Fold::Group => (CompareFunction::NotEqual, COUNT_BITS, 0),
+        Fold::Last => (CompareFunction::NotEqual, !COUNT_BITS, 0xff),
+    };
     let face = StencilFaceState {
-        compare: CompareFunction::NotEqual,
+        compare,
         fail_op: StencilOperation::Keep,
         depth_fail_op: StencilOperation::Keep,
         pass_op: StencilOperation::Replace,
     };
     let mut state = DrawState::new(CompareFunction::Always, vec![]);
-    state.stencil =
-        Some(Stencil { front: face, back: face, read_mask: 0x7f, write_mask: 0xff, reference: 0x80 });
+    state.stencil = Some(Stencil { front: face, back: face, read_mask, write_mask: 0xff, reference });
+    Draw {
+        name: "fold".into(),
+        shader: Some(volume_shader("fullscreen_vertex", None, &[])),
+        state,
+        geometry: Geometry::Procedural { vertices: 3, instances: 1 },
+        bindings: vec![],
+        scissor_px: None,
+    }
+}
+
+/// The pass between two groups, before the first or after the last.
+pub(super) fn fold_pass(light: &LightPlan<'_>, depth: &DepthTarget, folds: &[Fold]) -> Pass {
     Pass {
         name: format!("fold counts of {}", light.light().name),
         reason:
@@ -92,13 +122,6 @@ pub(super) fn fold_pass(light: &LightPlan<'_>, depth: &DepthTarget) -> Pass {
                 .into(),
         colors: vec![],
         depth: Some(depth.clone()),
-        draws: vec![Draw {
-            name: "fold".into(),
-            shader: Some(volume_shader("fullscreen_vertex", None, &[])),
-            state,
-            geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-            bindings: vec![],
-            scissor_px: None,
-        }],
+        draws: folds.iter().copied().map(fold_draw).collect(),
     }
 }

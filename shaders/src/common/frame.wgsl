@@ -21,6 +21,9 @@ struct Frame {
     shadowed_px: vec4u,
 }
 
+// What the stencil holds where nothing is counted; more is dark. `STENCIL_AT_REST` of the plan.
+const AT_REST: u32 = 128u;
+
 // One mesh at its place. The rows are those of the affine map view_from_local.
 struct Instance {
     row_x: vec4f,
