@@ -19,7 +19,7 @@ frame 64x48: 3 passes, 3 draws, 27856 bytes
   slot 3 'volumes of lamp' storage buffer, 64 bytes: where the light is, as each caster sees it, and where its volume ends
   light lamp: ShadowVolumeHard -> Counts
   pass 'depth prepass': shadows need the visible surface before it is shaded
-    depth 'depth' clear 0, stencil clear 0
+    depth 'depth' clear 0, stencil clear 32
     draw 'opaque surfaces' Depth surfaces, 2 parts, 42 vertices
   pass 'volumes of lamp': what casts between lamp and the view, casters: 1
     depth 'depth' read, stencil write

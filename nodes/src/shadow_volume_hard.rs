@@ -140,8 +140,8 @@ fn count_in_stencil(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) {
     let mut first_record = 0;
     for (index, group) in groups.groups.iter().enumerate() {
         let folds: &[Fold] = match (groups.folds, index) {
-            (true, 0) if before > 0 => &[Fold::Others, Fold::Group],
-            (true, 1..) => &[Fold::Group],
+            (true, 0) if before > 0 => &[Fold::Large, Fold::Lit, Fold::Dark],
+            (true, 1..) => &[Fold::Lit, Fold::Dark],
             _ => &[],
         };
         if !folds.is_empty() {
@@ -157,9 +157,6 @@ fn count_in_stencil(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) {
             .collect();
         first_record += group.len() as u32;
         light.pass(volumes_pass(light, group.len(), vec![], depth.clone(), draws));
-    }
-    if groups.folds {
-        light.pass(fold_pass(light, &depth, &[Fold::Last]));
     }
 }
 

@@ -206,9 +206,9 @@ pub struct Shader {
 }
 
 /// What the stencil beside receivers' depth holds where nothing was counted. Entering a volume counts one up from here, leaving it
-/// one down, and what is above is dark. What is below is lit: nothing is left that was not entered, so there a side was taken to
+/// one down, and what is above is dark, up to 223. What is below is lit: nothing is left that was not entered, so there a side was taken to
 /// be before what it touches by the rounding of depths, as happens at surfaces thinner than a pixel.
-pub const STENCIL_AT_REST: u8 = 128;
+pub const STENCIL_AT_REST: u8 = 32;
 
 /// How a draw tests and changes the stencil, for both faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

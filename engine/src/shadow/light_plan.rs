@@ -202,7 +202,7 @@ impl<'a> LightPlan<'a> {
     /// is dark.
     ///
     /// `bound` is an upper bound on what this technique adds to any pixel's final count. Returned with the
-    /// attachment is the bound on what was there before: a technique whose sum would exceed 127 folds first.
+    /// attachment is the bound on what was there before: a technique whose sum would exceed 223 folds first.
     pub fn count_in_stencil(&mut self, bound: u32) -> (DepthTarget, u32) {
         if let SlotKind::Texture { format, .. } = &mut self.builder.slots[self.depth.0].kind {
             *format = TextureFormat::Depth32FloatStencil8;

@@ -1,22 +1,23 @@
 //! Counts of any size in eight bits.
 //!
-//! A stencil wraps at 256, and half of its values are above [`STENCIL_AT_REST`](shadowgraph_engine::plan::STENCIL_AT_REST), so what
-//! a count may become is bounded before anything is counted. If all casters of a light together stay within that, they are
-//! counted at once. Otherwise they are counted in groups of at most as many layers in bits 0 to 6, and between two groups a
-//! *fold* takes bit 7 away wherever a count is not zero: dark, whatever later counts say.
+//! A stencil wraps at 256, and counts begin at [`STENCIL_AT_REST`], so what a count may become is bounded before anything is
+//! counted. If all casters of a light together stay within that, they are counted at once. Otherwise they are counted in
+//! groups of at most 95 layers, and between two groups a *fold* sets the sticky bit 7, which later counts (bits 0 to 6) leave
+//! alone, wherever something casts, and sets bits 0 to 6 back to rest.
 
 use std::sync::Arc;
 
 use shadowgraph_engine::geometry::{CastTriangles, GroupMember, layer_groups, max_layers};
+use shadowgraph_engine::plan::STENCIL_AT_REST;
 use shadowgraph_engine::scene::Instance;
 use shadowgraph_engine::shadow::{LightPlan, hash_of};
 
 use super::volume::{CastShape, CasterFacing};
 
 /// The largest count an 8-bit stencil holds above its rest.
-pub const MAX_COUNT: u32 = 127;
-/// The largest count beside the bit that says whether earlier groups were dark.
-pub const MAX_GROUP_COUNT: u32 = 127;
+pub const MAX_COUNT: u32 = 255 - STENCIL_AT_REST as u32;
+/// The largest count beside the sticky bit.
+pub const MAX_GROUP_COUNT: u32 = 127 - STENCIL_AT_REST as u32;
 
 /// A caster of one light with the triangles that cast.
 #[derive(Clone, Debug)]

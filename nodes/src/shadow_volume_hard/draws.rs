@@ -74,26 +74,29 @@ fn stencil_state(z_fail: bool, how: How, write_mask: u8) -> DrawState {
     state
 }
 
-/// What groups count in. Bit 7 is set where no earlier group was dark, as it is at rest.
+/// What groups count in.
 const COUNT_BITS: u8 = 0x7f;
+/// Where earlier groups are dark, with the counter at rest.
+const FOLDED: u8 = !COUNT_BITS | STENCIL_AT_REST;
 
-/// What a fold does to counts.
+/// What a fold does to counts, in this order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Fold {
-    /// What others counted at once: what is below rest is lit.
-    Others,
-    /// Takes bit 7 away wherever a group counted something, and lets the next one start again.
-    Group,
-    /// Says of what earlier groups found dark what all others say of dark.
-    Last,
+    /// What others counted at once and is so large that it reaches the sticky bit: dark.
+    Large,
+    /// What is below rest is lit: the next group starts at rest.
+    Lit,
+    /// What is above is dark.
+    Dark,
 }
 
 /// A draw over the whole target that does one fold.
 fn fold_draw(fold: Fold) -> Draw {
-    let (compare, read_mask, reference) = match fold {
-        Fold::Others => (CompareFunction::Greater, 0xff, STENCIL_AT_REST),
-        Fold::Group => (CompareFunction::NotEqual, COUNT_BITS, 0),
-        Fold::Last => (CompareFunction::NotEqual, !COUNT_BITS, 0xff),
+    // A comparison has the reference on its left, as much of it as is read.
+    let (compare, read_mask, write_mask, reference) = match fold {
+        Fold::Large => (CompareFunction::Equal, !COUNT_BITS, 0xff, FOLDED),
+        Fold::Lit => (CompareFunction::Greater, COUNT_BITS, COUNT_BITS, STENCIL_AT_REST),
+        Fold::Dark => (CompareFunction::Less, COUNT_BITS, 0xff, FOLDED),
     };
     let face = StencilFaceState {
         compare,
@@ -102,7 +105,7 @@ fn fold_draw(fold: Fold) -> Draw {
         pass_op: StencilOperation::Replace,
     };
     let mut state = DrawState::new(CompareFunction::Always, vec![]);
-    state.stencil = Some(Stencil { front: face, back: face, read_mask, write_mask: 0xff, reference });
+    state.stencil = Some(Stencil { front: face, back: face, read_mask, write_mask, reference });
     Draw {
         name: "fold".into(),
         shader: Some(volume_shader("fullscreen_vertex", None, &[])),
@@ -113,7 +116,7 @@ fn fold_draw(fold: Fold) -> Draw {
     }
 }
 
-/// The pass between two groups, before the first or after the last.
+/// The pass between two groups, or before the first.
 pub(super) fn fold_pass(light: &LightPlan<'_>, depth: &DepthTarget, folds: &[Fold]) -> Pass {
     Pass {
         name: format!("fold counts of {}", light.light().name),

@@ -22,7 +22,7 @@ struct Frame {
 }
 
 // What the stencil holds where nothing is counted; more is dark. `STENCIL_AT_REST` of the plan.
-const AT_REST: u32 = 128u;
+const AT_REST: u32 = 32u;
 
 // One mesh at its place. The rows are those of the affine map view_from_local.
 struct Instance {
