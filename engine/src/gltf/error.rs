@@ -52,7 +52,13 @@ pub enum GltfError {
     VertexIndex { mesh: usize, primitive: usize, place: usize, index: u32, vertices: usize },
     #[error("glTF mesh {mesh}: {source}")]
     Mesh { mesh: usize, source: MeshError },
-    #[error("{image}: {problem} (PNG and JPEG are accepted)")]
+    #[error("buffer view {view} (compressed): {problem}")]
+    Compressed { view: usize, problem: String },
+    #[error(
+        "{item}: '{path}' lies outside the scene's folder (files in or below it are accepted; all are with --outside-files, or LoadOptions::outside_files)"
+    )]
+    OutsideFile { item: String, path: String },
+    #[error("{image}: {problem} (PNG and JPEG are accepted, and WebP)")]
     Image { image: String, problem: String },
     #[error("node {node} is a child of node {first} and of node {second} (at most one parent is accepted)")]
     NodeParents { node: usize, first: usize, second: usize },

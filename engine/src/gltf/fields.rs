@@ -6,6 +6,7 @@
 use serde_json::{Map, Value};
 
 use super::GltfError;
+use super::names::shown;
 
 /// One object of an array of the document: node 3, light 0, …
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +27,7 @@ impl<'v> Item<'v> {
     /// "node 3 'wheel'".
     pub(super) fn label(&self) -> String {
         match self.name {
-            Some(name) => format!("{} {} '{name}'", self.kind, self.index),
+            Some(name) => format!("{} {} '{}'", self.kind, self.index, shown(name)),
             None => format!("{} {}", self.kind, self.index),
         }
     }

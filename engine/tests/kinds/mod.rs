@@ -1,0 +1,127 @@
+//! The document that the kinds of files are changes of, and their table.
+
+use serde_json::{Value, json};
+
+/// What a file must come to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Expect {
+    /// It loads without a word.
+    Loads,
+    /// It loads, with a warning or remark that says this.
+    Notes(&'static str),
+    /// It is refused with these words.
+    Refused(&'static str),
+}
+
+pub(crate) struct Row {
+    pub(crate) name: &'static str,
+    pub(crate) document: Value,
+    pub(crate) expect: Expect,
+}
+
+impl Row {
+    /// The document with a value at each of the paths; appended at `/-`, taken out by `null`.
+    pub(crate) fn new(name: &'static str, changes: &[(&str, Value)], expect: Expect) -> Self {
+        let mut document = document();
+        for (path, value) in changes {
+            let (parent, key) = path.rsplit_once('/').unwrap();
+            let parent = document.pointer_mut(parent).unwrap_or_else(|| panic!("{name}: no {path}"));
+            match parent {
+                Value::Array(values) if key == "-" => values.push(value.clone()),
+                Value::Array(values) => values[key.parse::<usize>().unwrap()] = value.clone(),
+                Value::Object(object) if value.is_null() => drop(object.remove(key)),
+                object => object[key] = value.clone(),
+            }
+        }
+        Self { name, document, expect }
+    }
+}
+
+/// Base64 of bytes, padded.
+pub(crate) fn base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::new();
+    for group in bytes.chunks(3) {
+        let bits =
+            group.iter().fold(0_u32, |bits, byte| bits << 8 | u32::from(*byte)) << (8 * (3 - group.len()));
+        for i in 0..4 {
+            let letter = char::from(LETTERS[(bits >> (18 - 6 * i) & 63) as usize]);
+            text.push(if i > group.len() { '=' } else { letter });
+        }
+    }
+    text
+}
+
+fn encoded(format: image::ImageFormat) -> String {
+    let picture = image::RgbaImage::from_pixel(2, 2, image::Rgba([200, 100, 50, 255]));
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    picture.write_to(&mut bytes, format).unwrap();
+    format!("data:{};base64,{}", format.to_mime_type(), base64(bytes.get_ref()))
+}
+
+/// A textured square, a square bent by two joints, a lamp, an eye, a shadow node and an animation.
+pub(crate) fn document() -> Value {
+    let floats = |values: &[f32]| values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+    let mut identity = [0.0; 16];
+    [0, 5, 10, 15].iter().for_each(|i| identity[*i] = 1.0);
+    let parts: [(usize, Vec<u8>); 9] = [
+        (34962, floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0])),
+        (34962, floats(&[0.0, 0.0, 1.0].repeat(4))),
+        (34962, floats(&[0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0])),
+        (0, floats(&[0.0, 1.0, 2.0])),
+        // Two triangles, and two bytes more.
+        (34963, vec![0, 1, 2, 0, 2, 3, 0, 0, 0, 0, 0, 0]),
+        (34962, vec![0, 1, 0, 0].repeat(4)),
+        (34962, floats(&[0.5, 0.5, 0.0, 0.0].repeat(4))),
+        (0, [vec![1, 2, 3, 0], floats(&[0.0; 6]), floats(&identity.repeat(2))].concat()),
+        (0, floats(&[-1.0, 0.0, 0.0, 0.0])),
+    ];
+    let (mut bin, mut views) = (Vec::new(), Vec::new());
+    for (target, bytes) in parts {
+        let mut view = json!({ "buffer": 0, "byteOffset": bin.len(), "byteLength": bytes.len() });
+        if target != 0 {
+            view["target"] = target.into();
+        }
+        views.push(view);
+        bin.extend(bytes);
+    }
+    json!({
+        "asset": { "version": "2.0" },
+        "extensionsUsed": ["KHR_lights_punctual", "SHADOWGRAPH_shadow_node"],
+        "extensions": { "KHR_lights_punctual": { "lights": [{ "type": "point", "intensity": 9 }] } },
+        "scene": 0,
+        "scenes": [{ "nodes": [0, 1, 2, 3, 4] }],
+        "nodes": [
+            { "name": "square", "mesh": 0 },
+            { "name": "flag", "mesh": 1, "skin": 0 },
+            { "name": "lamp", "translation": [0, 0, 5], "extensions": { "KHR_lights_punctual": { "light": 0 } } },
+            { "name": "eye", "camera": 0, "extensions": { "SHADOWGRAPH_shadow_node": { "type": "Any", "lights": [2] } } },
+            { "name": "lower", "children": [5] },
+            { "name": "upper" }],
+        "cameras": [{ "type": "perspective", "perspective": { "yfov": 0.8, "znear": 0.1, "zfar": 10 } }],
+        "meshes": [
+            { "name": "square", "primitives": [{
+                "attributes": { "POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2 }, "indices": 4, "material": 0 }] },
+            { "name": "flag", "primitives": [{ "attributes": { "POSITION": 0, "JOINTS_0": 5, "WEIGHTS_0": 6 }, "indices": 4 }] }],
+        "materials": [{ "name": "wood", "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }],
+        "textures": [{ "source": 0, "sampler": 0 }],
+        "samplers": [{ "wrapS": 33071, "magFilter": 9728 }],
+        "images": [{ "name": "grain", "uri": encoded(image::ImageFormat::Png) }, { "uri": encoded(image::ImageFormat::WebP) }],
+        "skins": [{ "joints": [4, 5] }],
+        "animations": [{
+            "channels": [{ "sampler": 0, "target": { "node": 5, "path": "translation" } }],
+            "samplers": [{ "input": 3, "output": 8 }] }],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0] },
+            { "bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC3" },
+            { "bufferView": 2, "componentType": 5126, "count": 4, "type": "VEC2" },
+            { "bufferView": 3, "componentType": 5126, "count": 3, "type": "SCALAR", "min": [0], "max": [2] },
+            { "bufferView": 4, "componentType": 5121, "count": 6, "type": "SCALAR" },
+            { "bufferView": 5, "componentType": 5121, "count": 4, "type": "VEC4" },
+            { "bufferView": 6, "componentType": 5126, "count": 4, "type": "VEC4" },
+            { "bufferView": 7, "byteOffset": 28, "componentType": 5126, "count": 2, "type": "MAT4" },
+            { "componentType": 5126, "count": 3, "type": "VEC3" }],
+        "bufferViews": views,
+        "buffers": [{ "byteLength": bin.len(), "uri": format!("data:application/octet-stream;base64,{}", base64(&bin)) }],
+    })
+}
