@@ -1,5 +1,7 @@
 //! The document that the kinds of files are changes of, and their table.
 
+#![allow(dead_code, reason = "each test crate uses its own part of this")]
+
 use serde_json::{Value, json};
 
 /// What a file must come to.
