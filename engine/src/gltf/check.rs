@@ -9,6 +9,7 @@ use serde_json::{Map, Value};
 
 use super::GltfError;
 use super::document::{Document, Section};
+use super::names::few_digits;
 use super::shapes;
 
 /// What a field may hold.
@@ -253,7 +254,7 @@ impl Checker<'_> {
     fn range(&mut self, path: &str, number: f64, least: f64, most: f64) {
         if !(least <= number && number <= most) {
             let most = if most < 1e15 { format!(" to {most}") } else { String::new() };
-            self.odd(path, &format!("it is {number}; from {least}{most} is accepted"));
+            self.odd(path, &format!("it is {}; from {least}{most} is accepted", few_digits(number)));
         }
     }
 

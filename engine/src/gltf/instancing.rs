@@ -39,7 +39,7 @@ impl Builder<'_> {
         if let Some(added) = self.scene.node_mut(key) {
             added.content = Content::Group;
         }
-        let name = node.name().unwrap_or_default();
+        let name = node.name().map_or_else(|| node.label(), str::to_owned);
         for (index, place) in places.into_iter().enumerate() {
             let name = format!("{name}[{index}]");
             check_reach(&place.matrix())

@@ -71,13 +71,12 @@ impl Budget {
     }
 
     pub(super) fn charge_elements(&mut self, count: u64) -> Result<(), GltfError> {
-        let bytes = count.saturating_mul(ELEMENT_BYTES);
-        charge(&mut self.memory, self.memory_limit, bytes, || memory("the file's meshes and images"))
+        self.charge_memory(count.saturating_mul(ELEMENT_BYTES))
     }
 
-    /// Memory that is neither for elements nor for images.
+    /// Memory for meshes and what they are made from.
     pub(super) fn charge_memory(&mut self, bytes: u64) -> Result<(), GltfError> {
-        charge(&mut self.memory, self.memory_limit, bytes, || memory("the file's meshes and images"))
+        take(&mut self.memory, self.memory_limit, bytes, "what the file's meshes and images hold")
     }
 
     pub(super) fn charge_instances(&mut self, count: u64) -> Result<(), GltfError> {
@@ -87,16 +86,26 @@ impl Budget {
     /// Charges an image that stays as `kept` bytes and takes `passing` more while it is decoded.
     pub(super) fn charge_image(&mut self, image: &str, kept: u64, passing: u64) -> Result<(), GltfError> {
         let limit = self.memory_limit / 2;
-        let what = || memory(&format!("{image} and the images before it"));
+        let what = format!("{image}, with the images before it,");
         let mut tried = self.image_memory;
-        charge(&mut tried, limit, kept.saturating_add(passing), what)?;
-        charge(&mut self.image_memory, limit, kept, what)?;
-        charge(&mut self.memory, self.memory_limit, kept, || memory("the file's meshes and images"))
+        take(&mut tried, limit, kept.saturating_add(passing), &what)?;
+        take(&mut self.image_memory, limit, kept, &what)?;
+        self.charge_memory(kept)
     }
 }
 
-fn memory(of: &str) -> String {
-    format!("bytes of memory for {of} (a larger memory budget can be given)")
+/// [`charge`] of memory.
+fn take(left: &mut u64, limit: u64, bytes: u64, what: &str) -> Result<(), GltfError> {
+    match left.checked_sub(bytes) {
+        Some(rest) => {
+            *left = rest;
+            Ok(())
+        }
+        None => {
+            let bytes = (limit - *left).saturating_add(bytes);
+            Err(GltfError::Memory { what: what.into(), bytes, limit })
+        }
+    }
 }
 
 /// The most different warnings kept; a file with more is told so once.

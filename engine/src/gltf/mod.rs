@@ -31,7 +31,7 @@ mod limits;
 mod materials;
 mod meshes;
 mod meshopt;
-pub(crate) mod names;
+mod names;
 mod nodes;
 mod punctual;
 mod save;
@@ -47,6 +47,7 @@ use std::path::{Path, PathBuf};
 
 pub use error::GltfError;
 pub use extension::{SHADOW_NODE, ShadowTypes};
+pub use names::{few_digits, shown as shown_name};
 pub use save::{Glb, save, to_glb};
 
 use crate::scene::{NodeKey, Scene};

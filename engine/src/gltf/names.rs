@@ -1,4 +1,4 @@
-//! Names from files, as messages show them.
+//! Names and numbers from files, as messages show them.
 
 use std::borrow::Cow;
 
@@ -6,7 +6,7 @@ use std::borrow::Cow;
 const MOST: usize = 80;
 
 /// A name that is shortened in its middle if it is very long: both ends tell similar names apart.
-pub(crate) fn shown(name: &str) -> Cow<'_, str> {
+pub fn shown(name: &str) -> Cow<'_, str> {
     // Letters are at most as many as bytes.
     if name.len() <= MOST || name.chars().count() <= MOST {
         return name.into();
@@ -17,9 +17,36 @@ pub(crate) fn shown(name: &str) -> Cow<'_, str> {
     format!("{head}…{}", tail.into_iter().rev().collect::<String>()).into()
 }
 
+/// A number in four digits at most, and no more of them than it needs.
+pub fn few_digits(number: f64) -> String {
+    let size = number.abs();
+    if !number.is_finite() {
+        return number.to_string();
+    }
+    if size != 0.0 && !(1e-4..1e6).contains(&size) {
+        let text = format!("{number:.3e}");
+        let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        let mantissa = if mantissa.contains('.') { mantissa.trim_end_matches('0') } else { mantissa };
+        return format!("{}e{exponent}", mantissa.trim_end_matches('.'));
+    }
+    let whole = if size < 1.0 { 0 } else { size.log10() as i32 };
+    let leading = if size != 0.0 && size < 1.0 { (-size.log10()) as i32 } else { 0 };
+    let text = format!("{number:.*}", (3 - whole + leading).max(0) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::shown;
+    use super::{few_digits, shown};
+
+    #[test]
+    fn numbers_have_few_digits() {
+        let texts =
+            [0.0, 1.0, -2.5, 0.1, 1.0 / 3.0, 12345.678, 1e200, -1.23456e-7, 1e6, 0.00123456, f64::INFINITY];
+        let shown =
+            ["0", "1", "-2.5", "0.1", "0.3333", "12346", "1e200", "-1.235e-7", "1e6", "0.001235", "inf"];
+        assert_eq!(texts.map(few_digits), shown);
+    }
 
     #[test]
     fn long_names_keep_both_ends() {

@@ -183,8 +183,11 @@ impl<'a> Builder<'a> {
         let mut contents = contents.into_iter();
         let first = contents.next().unwrap_or_default();
         let key = self.scene.add(parent, name, transform(node)?, first);
-        for content in contents {
-            self.scene.add(Some(key), name, DAffine3::IDENTITY, content);
+        let others = contents.map(|content| self.scene.add(Some(key), name, DAffine3::IDENTITY, content));
+        for key in others.collect::<Vec<_>>().into_iter().chain([key]) {
+            if let Some(added) = self.scene.node_mut(key) {
+                added.file_index = Some(node.index);
+            }
         }
         let visibility = node.extension("KHR_node_visibility").and_then(|value| value.get("visible"));
         if visibility.and_then(Value::as_bool) == Some(false)

@@ -44,12 +44,22 @@ pub struct Node {
     pub content: Content,
     /// Whether it and everything under it is drawn, shines and casts.
     pub visible: bool,
+    /// Its index in the file it was loaded from: what messages call it when it has no name.
+    pub file_index: Option<usize>,
     pub(super) rest: Option<Rest>,
     parent: Option<NodeKey>,
     children: Vec<NodeKey>,
 }
 
 impl Node {
+    /// What messages call it: its name, or its place in its file.
+    pub fn label(&self) -> String {
+        match self.file_index {
+            Some(index) if self.name.is_empty() => format!("node {index}"),
+            _ => self.name.clone(),
+        }
+    }
+
     /// The parent; `None` for a root.
     pub fn parent(&self) -> Option<NodeKey> {
         self.parent
@@ -261,6 +271,7 @@ impl Scene {
             parent_from_local,
             content,
             visible: true,
+            file_index: None,
             rest: None,
             parent,
             children: Vec::new(),

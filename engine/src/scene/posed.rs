@@ -219,12 +219,12 @@ impl Scene {
             let Some(node) = self.node(key).filter(|node| node.visible) else { continue };
             let world_from_local = world_from_parent * node.parent_from_local;
             if !is_placed(&world_from_local) {
-                return Err(SceneError::BadTransform { node: node.name.clone() });
+                return Err(SceneError::BadTransform { node: node.label() });
             }
             open.extend(node.children().iter().rev().map(|child| (*child, world_from_local)));
             let missing = |what, key: String| SceneError::Missing {
                 what,
-                key: format!("{key} of node '{}'", node.name),
+                key: format!("{key} of node '{}'", node.label()),
             };
             match &node.content {
                 Content::Group => {}
@@ -249,12 +249,12 @@ impl Scene {
                     );
                     let corners_finite = world_bounds.min.is_finite() && world_bounds.max.is_finite();
                     if !corners_finite && !world_bounds.is_empty() {
-                        return Err(SceneError::BadTransform { node: node.name.clone() });
+                        return Err(SceneError::BadTransform { node: node.label() });
                     }
                     posed.world_bounds = posed.world_bounds.union(&world_bounds);
                     posed.instances.push(Instance {
                         node: key,
-                        name: node.name.clone(),
+                        name: node.label(),
                         pose_key: pose_key(mesh.id(), &world_from_local),
                         mesh,
                         materials,
@@ -281,7 +281,7 @@ impl Scene {
                     let shadow = self
                         .shadow(*shadow_key)
                         .ok_or_else(|| missing("shadow node", format!("{shadow_key:?}")))?;
-                    shadow_nodes.push((*shadow_key, node.name.clone(), shadow.clone()));
+                    shadow_nodes.push((*shadow_key, node.label(), shadow.clone()));
                 }
             }
         }
