@@ -6,7 +6,7 @@
 mod kinds;
 
 use glam::Vec3;
-use kinds::{base64, document};
+use kinds::{base64, bytes_of, document, packed};
 use serde_json::{Value, json};
 use shadowgraph_engine::gltf::{self, GltfError, LoadOptions, Loaded};
 
@@ -38,38 +38,6 @@ fn webp_is_decoded_and_preferred() {
     let images: Vec<_> = loaded.scene.images().map(|(_, image)| image).collect();
     assert_eq!((images.len(), images[0].name.as_str()), (1, "image1"));
     assert_eq!(images[0].rgba8, [200, 100, 50, 255].repeat(4));
-}
-
-fn bytes_of(hex: &str) -> Vec<u8> {
-    (0..hex.len() / 2).map(|i| u8::from_str_radix(&hex[2 * i..2 * i + 2], 16).unwrap()).collect()
-}
-
-/// A document whose only mesh has packed positions and indices, made by the format's own reference encoder.
-fn packed() -> Value {
-    let positions = "a000000700ffff8080ffffff8080ffffff8080ffff000000ffff808005383e0f837e7f7e7f7e7fe00000007e00000100300c03\
-                     ffff8001003008007e000000010003c0007e7d0000000000000000000000000000000000000000000000000000000000000000";
-    let triangles =
-        "e1fe1e100e100e100ece1e160e150e140ece1e140e140e140eff0f0aff00250e007687566778a9866589689801690000";
-    let [positions, triangles] = [positions, triangles].map(|text| bytes_of(&text.replace([' ', '\n'], "")));
-    let whole = [positions.clone(), triangles.clone()].concat();
-    let view = |offset: usize, packed: &[u8], stride: usize, count: usize, mode: &str| {
-        json!({ "buffer": 1, "byteLength": stride * count, "extensions": { "EXT_meshopt_compression": {
-            "buffer": 0, "byteOffset": offset, "byteLength": packed.len(), "byteStride": stride, "count": count,
-            "mode": mode } } })
-    };
-    json!({
-        "asset": { "version": "2.0" }, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
-        "extensionsUsed": ["EXT_meshopt_compression"], "extensionsRequired": ["EXT_meshopt_compression"],
-        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "NORMAL": 0 }, "indices": 1 }] }],
-        "accessors": [
-            { "bufferView": 0, "componentType": 5126, "count": 20, "type": "VEC3" },
-            { "bufferView": 1, "componentType": 5123, "count": 75, "type": "SCALAR" }],
-        "bufferViews": [
-            view(0, &positions, 12, 20, "ATTRIBUTES"), view(positions.len(), &triangles, 2, 75, "TRIANGLES")],
-        // The second is where those who cannot unpack would look.
-        "buffers": [{ "byteLength": whole.len(), "uri": format!("data:application/octet-stream;base64,{}", base64(&whole)) },
-            { "byteLength": 390, "extensions": { "EXT_meshopt_compression": { "fallback": true } } }],
-    })
 }
 
 #[test]

@@ -29,9 +29,9 @@ pub fn few_digits(number: f64) -> String {
         let mantissa = if mantissa.contains('.') { mantissa.trim_end_matches('0') } else { mantissa };
         return format!("{}e{exponent}", mantissa.trim_end_matches('.'));
     }
-    let whole = if size < 1.0 { 0 } else { size.log10() as i32 };
-    let leading = if size != 0.0 && size < 1.0 { (-size.log10()) as i32 } else { 0 };
-    let text = format!("{number:.*}", (3 - whole + leading).max(0) as usize);
+    // The place of the first digit: 0 for ones, -1 for tenths.
+    let first = if size == 0.0 { 0 } else { size.log10().floor() as i32 };
+    let text = format!("{number:.*}", (3 - first).max(0) as usize);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 

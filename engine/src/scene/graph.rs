@@ -1,5 +1,7 @@
 //! The graph itself: nodes, keys, hierarchy, removal and revisions.
 
+use std::cell::OnceCell;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
@@ -315,6 +317,24 @@ impl Scene {
     pub fn add_shadow(&mut self, name: &str, shadow: impl Into<ShadowNode>) -> NodeKey {
         let key = self.add_shadow_data(shadow.into());
         self.add(None, name, DAffine3::IDENTITY, Content::Shadow(key))
+    }
+
+    /// What messages call a node: as [`Node::label`], or by its place among all, which is its index once the scene is
+    /// saved. The places are found when the first is asked for.
+    pub(super) fn label(
+        &self,
+        key: NodeKey,
+        node: &Node,
+        places: &OnceCell<HashMap<NodeKey, usize>>,
+    ) -> String {
+        let label = node.label();
+        if !label.is_empty() {
+            return label;
+        }
+        let places = places.get_or_init(|| {
+            self.depth_first().into_iter().enumerate().map(|(place, key)| (key, place)).collect()
+        });
+        places.get(&key).map_or_else(String::new, |place| format!("node {place}"))
     }
 
     /// The node behind `key`, if it is still there.
