@@ -12,7 +12,7 @@ use super::hierarchy::Hierarchy;
 use super::limits::{Budget, Warnings};
 use super::nodes::Builder;
 use super::transforms::parts;
-use crate::scene::{Animation, Channel, Content, Interpolation, NodeKey, Property, Skin, Track};
+use crate::scene::{Animation, Channel, Content, Interpolation, NodeKey, Property, SceneError, Skin, Track};
 
 impl Builder<'_> {
     /// Reads what moves nodes and bends meshes, once every node has its key.
@@ -57,7 +57,7 @@ impl Builder<'_> {
                     let bad = |problem: String| GltfError::Content { item: item.label(), problem };
                     reader.compare_roots(&item, spans.get_or_insert_with(|| hierarchy.spans()))?;
                     let added =
-                        self.scene.add_skin(reader.skin(&item)?).map_err(|error| bad(error.to_string()))?;
+                        self.scene.add_skin(reader.skin(&item)?).map_err(|error| bad(problem_of(error)))?;
                     skins.insert(skin, added);
                     added
                 }
@@ -87,13 +87,21 @@ impl Builder<'_> {
                     && let Some(parts) = parts(&nodes[index])?
                 {
                     let bad = |problem: String| GltfError::Content { item: item.label(), problem };
-                    self.scene.set_transform(channel.node, parts).map_err(|error| bad(error.to_string()))?;
+                    self.scene.set_transform(channel.node, parts).map_err(|error| bad(problem_of(error)))?;
                 }
             }
             let bad = |problem: String| GltfError::Content { item: item.label(), problem };
-            self.scene.add_animation(animation).map_err(|error| bad(error.to_string()))?;
+            self.scene.add_animation(animation).map_err(|error| bad(problem_of(error)))?;
         }
         Ok(())
+    }
+}
+
+/// What is wrong, without the name of what it is about: the loader says which it is.
+fn problem_of(error: SceneError) -> String {
+    match error {
+        SceneError::BadContent { problem, .. } => problem,
+        other => other.to_string(),
     }
 }
 

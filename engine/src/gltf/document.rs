@@ -332,6 +332,7 @@ pub(super) fn remedy(extension: &str) -> String {
         "KHR_draco_mesh_compression" => {
             "re-export without Draco compression (gltf-transform and Blender decode it)".into()
         }
+        "KHR_meshopt_compression" => "re-export with EXT_meshopt_compression, or without either".into(),
         "KHR_texture_basisu" | "EXT_texture_avif" | "MSFT_texture_dds" => {
             "re-export with PNG, JPEG or WebP textures".into()
         }

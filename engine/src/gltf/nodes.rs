@@ -87,8 +87,9 @@ impl<'a> Builder<'a> {
         for &index in &order {
             let node = &nodes[index];
             let contents = self.contents(node)?;
+            // A light whose type is not supported is left out, but a shadow node may name it.
+            has_light[index] = node.extension("KHR_lights_punctual").is_some();
             for content in &contents {
-                has_light[index] |= matches!(content, Content::Light(_));
                 has_mesh[index] |= matches!(content, Content::Mesh(_));
                 if let Content::Shadow(key) = content {
                     shadows.push((*key, index));

@@ -1,8 +1,11 @@
 //! The document that the kinds of files are changes of, and their table.
 
-#![allow(dead_code, reason = "each test crate uses its own part of this")]
+#![allow(dead_code, unused_macros, unused_imports, reason = "each test crate uses its own part of this")]
 
 use serde_json::{Value, json};
+use shadowgraph_engine::gltf;
+
+use Expect::{Loads, Notes, Refused};
 
 /// What a file must come to.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +41,46 @@ impl Row {
         Self { name, document, expect }
     }
 }
+
+/// Checks every row, and names all that are not as expected.
+#[track_caller]
+pub(crate) fn check(rows: Vec<Row>) {
+    let mut wrong = Vec::new();
+    assert!(!rows.is_empty());
+    for Row { name, document, expect } in rows {
+        let loaded = gltf::load_slice(document.to_string().as_bytes(), None);
+        if let Some(problem) = judge(expect, &loaded) {
+            wrong.push(format!("{name}: {problem}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{} kinds:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// What is wrong with what came of a file, if anything.
+pub(crate) fn judge(expect: Expect, loaded: &Result<gltf::Loaded, gltf::GltfError>) -> Option<String> {
+    match (expect, loaded) {
+        (Loads, Ok(loaded)) if loaded.warnings.is_empty() && loaded.remarks.is_empty() => None,
+        (Notes(text), Ok(loaded))
+            if loaded.warnings.iter().chain(&loaded.remarks).any(|n| n.contains(text)) =>
+        {
+            None
+        }
+        (Refused(text), Err(error)) if error.to_string().contains(text) => None,
+        (expect, Ok(loaded)) => {
+            Some(format!("{expect:?}, but it loaded: {:?} {:?}", loaded.warnings, loaded.remarks))
+        }
+        (expect, Err(error)) => Some(format!("{expect:?}, but: {error}")),
+    }
+}
+
+/// Rows of changes: a name, values at paths, and what must come of it.
+macro_rules! rows {
+    ($($name:literal { $($path:literal = $value:tt),* } $expect:expr;)*) => {
+        vec![$($crate::kinds::Row::new($name, &[$(($path, json!($value))),*], $expect)),*]
+    };
+}
+
+pub(crate) use rows;
 
 /// Base64 of bytes, padded.
 pub(crate) fn base64(bytes: &[u8]) -> String {
