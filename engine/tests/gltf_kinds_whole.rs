@@ -169,13 +169,13 @@ fn containers() {
     let whole = glb(&[main.clone(), bin.clone()]);
     let mut unaligned = padded.clone();
     unaligned.truncate(json.len());
-    while unaligned.len() % 4 == 0 {
+    while unaligned.len().is_multiple_of(4) {
         unaligned.push(b' ');
     }
     let marked = [b"\xEF\xBB\xBF".to_vec(), json.clone().into_bytes()].concat();
     let rows: Vec<(&str, Vec<u8>, Expect)> = vec![
         ("whole", whole.clone(), Loads),
-        ("without a binary chunk", glb(&[main.clone()]), Loads),
+        ("without a binary chunk", glb(std::slice::from_ref(&main)), Loads),
         ("with a chunk nobody knows", glb(&[main.clone(), bin.clone(), chunk(b"WHAT", &[0; 8])]), Loads),
         ("a chunk nobody knows first", glb(&[chunk(b"WHAT", &[0; 8]), main.clone()]), Refused("first chunk")),
         ("a binary chunk first", glb(&[bin.clone(), main.clone()]), Refused("out of order")),

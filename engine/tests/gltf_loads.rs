@@ -28,6 +28,44 @@ fn accessors_without_a_view_are_zero_but_for_what_is_sparse() {
     assert_eq!(uvs, [[0.0; 2], [1.0; 2], [0.0; 2], [0.0; 2]]);
 }
 
+/// Base64 in a URI may have its own letters escaped.
+#[test]
+fn escaped_base64_is_the_same() {
+    let plain = load(&document()).unwrap();
+    let mut document = document();
+    let uri = document["buffers"][0]["uri"].as_str().unwrap().to_owned();
+    let (head, data) = uri.split_once(',').unwrap();
+    let escaped = data.replace('+', "%2B").replace('/', "%2f").replace('=', "%3D").replace('A', "%41");
+    assert_ne!(data, escaped);
+    document["buffers"][0]["uri"] = format!("{head},{escaped}").into();
+    assert_eq!(first_mesh(&load(&document).unwrap()), first_mesh(&plain));
+}
+
+/// Shadow nodes that name every level of a deep chain, and a skin of very many joints down it: in time that grows with the
+/// file, not with its square.
+#[test]
+fn deep_chains_with_lists_and_joints_take_no_longer_than_wide_ones() {
+    const LEVELS: usize = 60_000;
+    let mut document = document();
+    let nodes = document["nodes"].as_array_mut().unwrap();
+    nodes[5]["children"] = json!([6]);
+    let level = |level: usize| json!({ "translation": [0.0, 1e-5, 0.0], "children": [7 + level] });
+    nodes.extend((0..LEVELS).map(level));
+    let last = nodes.len();
+    nodes.push(json!({ "mesh": 0 }));
+    let down: Vec<usize> = (6..last).collect();
+    document["skins"][0]["joints"] = down.clone().into();
+    let casters: Vec<usize> = down.into_iter().rev().collect();
+    document["nodes"][3]["extensions"]["SHADOWGRAPH_shadow_node"]["casters"] = casters.into();
+    let started = std::time::Instant::now();
+    let loaded = load(&document).unwrap();
+    let posed = loaded.scene.pose().unwrap();
+    assert_eq!((posed.instances.len(), posed.shadow_nodes[0].casters.len()), (3, 1));
+    let deepest = posed.instances.iter().find(|instance| instance.name == format!("node {last}")).unwrap();
+    assert!((deepest.world_from_local.translation.y - 0.6).abs() < 1e-9);
+    assert!(started.elapsed().as_secs() < 20, "{:?}", started.elapsed());
+}
+
 #[test]
 fn webp_is_decoded_and_preferred() {
     let mut document = document();

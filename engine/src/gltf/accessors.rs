@@ -88,6 +88,15 @@ pub(super) struct Accessors<'a> {
     pub(super) buffers: Buffers<'a>,
 }
 
+/// Where in a buffer view the elements of an accessor lie, in bytes.
+#[derive(Clone, Copy, Debug)]
+struct Elements {
+    offset: u64,
+    count: u64,
+    stride: usize,
+    size: usize,
+}
+
 /// How integer components become floats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Integers {
@@ -264,7 +273,7 @@ impl Accessors<'_> {
                     )));
                 }
                 let offset = whole(declaration, "byteOffset");
-                let bytes = self.range(accessor, view, offset, count, stride, size, budget)?;
+                let bytes = self.range(accessor, view, Elements { offset, count, stride, size }, budget)?;
                 budget.charge_elements(count)?;
                 bytes.chunks(stride).map(&parse).collect()
             }
@@ -292,7 +301,12 @@ impl Accessors<'_> {
         let places = component.size();
         let mut part = |object: &Map<String, Value>, size| {
             let view = whole(object, "bufferView") as usize;
-            self.range(accessor, view, whole(object, "byteOffset"), places_count, size, size, budget)
+            self.range(
+                accessor,
+                view,
+                Elements { offset: whole(object, "byteOffset"), count: places_count, stride: size, size },
+                budget,
+            )
         };
         let (places_bytes, values_bytes) = (part(indices, places)?, part(replaced, size)?);
         let mut previous = None;
@@ -314,10 +328,7 @@ impl Accessors<'_> {
         &self,
         accessor: usize,
         view: usize,
-        offset: u64,
-        count: u64,
-        stride: usize,
-        size: usize,
+        Elements { offset, count, stride, size }: Elements,
         budget: &mut Budget,
     ) -> Result<&[u8], GltfError> {
         let bytes = self.buffers.view(view, budget)?;

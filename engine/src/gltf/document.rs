@@ -115,7 +115,16 @@ pub(super) struct Document {
     /// What remains: `asset`, `extensions`, `extensionsUsed`, …
     pub(super) rest: Map<String, Value>,
     /// What was asked for by [`Document::used`], and what is odd about it.
-    used: RefCell<(BTreeSet<(Section, usize)>, Vec<String>)>,
+    used: RefCell<Used>,
+}
+
+/// What became known of a document while it was read.
+#[derive(Debug, Default)]
+struct Used {
+    /// The things that something needed.
+    things: BTreeSet<(Section, usize)>,
+    /// What is odd about them.
+    notes: Vec<String>,
 }
 
 impl Document {
@@ -225,10 +234,10 @@ impl Document {
             });
         };
         let mut used = self.used.borrow_mut();
-        if used.0.insert((section, index)) {
+        if used.things.insert((section, index)) {
             for finding in check::findings(self, section, index) {
                 if finding.harmless {
-                    used.1.push(finding.to_string());
+                    used.notes.push(finding.to_string());
                 } else {
                     return Err(finding.into());
                 }
@@ -241,7 +250,7 @@ impl Document {
 
     /// Adds a remark: something is not as it should be, but does no harm.
     pub(super) fn note(&self, text: String) {
-        let notes = &mut self.used.borrow_mut().1;
+        let notes = &mut self.used.borrow_mut().notes;
         if notes.len() < 1000 {
             notes.push(text);
         }
@@ -250,14 +259,14 @@ impl Document {
     /// Remarks on all that is wrong in the document, but did no harm; what is left out goes to the warnings.
     pub(super) fn finish(&self, warnings: &mut Warnings) -> Warnings {
         let mut remarks = Warnings::default();
-        let (used, odd) = &*self.used.borrow();
-        odd.iter().for_each(|text| remarks.add(text.clone()));
+        let Used { things, notes } = &*self.used.borrow();
+        notes.iter().for_each(|text| remarks.add(text.clone()));
         for section in Section::ALL {
             for index in 0..self.section(section).len() {
                 if remarks.is_full() {
                     break;
                 }
-                if !used.contains(&(section, index)) {
+                if !things.contains(&(section, index)) {
                     check::findings(self, section, index)
                         .iter()
                         .for_each(|finding| remarks.add(finding.to_string()));

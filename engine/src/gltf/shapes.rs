@@ -17,6 +17,8 @@ use super::names::shown;
 
 const ANY: f64 = f64::MAX;
 const MANY: u64 = u64::MAX;
+/// Exporters write a right angle as an f32, which is a little more.
+const ANGLE: super::check::Kind = Number(0.0, std::f64::consts::FRAC_PI_2 + 1e-6);
 
 pub(super) const COMPONENT_TYPES: &[u64] = &[5120, 5121, 5122, 5123, 5125, 5126];
 const INDEX_TYPES: &[u64] = &[5121, 5123, 5125];
@@ -183,10 +185,7 @@ const LIGHT: Shape = &[
     may("color", Numbers(3, 0.0, 1.0)),
     may("intensity", Number(0.0, ANY)),
     may("range", Number(f64::MIN_POSITIVE, ANY)),
-    may(
-        "spot",
-        Object(&[may("innerConeAngle", Number(0.0, 1.5708)), may("outerConeAngle", Number(0.0, 1.5708))]),
-    ),
+    may("spot", Object(&[may("innerConeAngle", ANGLE), may("outerConeAngle", ANGLE)])),
 ];
 const SKIN: Shape = &[
     NAME,
@@ -256,10 +255,10 @@ pub(super) fn check_together(section: Section, thing: &Map<String, Value>, odd: 
                 odd("components of this type cannot be normalized");
             }
         }
-        Section::BufferViews => {
-            if thing.get("byteStride").and_then(Value::as_u64).is_some_and(|stride| stride % 4 != 0) {
-                odd("its byteStride is no multiple of 4");
-            }
+        Section::BufferViews
+            if thing.get("byteStride").and_then(Value::as_u64).is_some_and(|stride| stride % 4 != 0) =>
+        {
+            odd("its byteStride is no multiple of 4");
         }
         Section::Buffers | Section::Images => {
             let mime = match thing.get("uri").and_then(Value::as_str) {

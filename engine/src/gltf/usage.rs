@@ -68,7 +68,7 @@ fn accessors(document: &Document, remarks: &mut Warnings) {
             remarks.add(format!("accessor {index} reaches beyond its buffer view"));
         }
         let offset = whole(view, "byteOffset").saturating_add(whole(accessor, "byteOffset"));
-        if offset % size as u64 != 0 {
+        if !offset.is_multiple_of(size as u64) {
             remarks.add(format!(
                 "accessor {index} begins at byte {offset}, no multiple of its components' size"
             ));
@@ -148,7 +148,7 @@ fn types(
     let component = accessor.and_then(|accessor| accessor.get("componentType")).and_then(Value::as_u64);
     match component {
         Some(5125) => {
-            remarks.add(format!("mesh {mesh}: {name} has 32-bit integers, which no attribute may have"))
+            remarks.add(format!("mesh {mesh}: {name} has 32-bit integers, which no attribute may have"));
         }
         Some(5120..=5123) if matches!(name, "POSITION" | "NORMAL" | "TANGENT") && !quantized => {
             remarks

@@ -28,6 +28,9 @@ pub(super) const FARTHEST_M: f64 = 1e18;
 /// A determinant below this fraction of the product of its columns' lengths counts as zero.
 const SINGULAR: f64 = 1e-7;
 
+/// With more joints than this, what they have in common of their ways to the root is multiplied once.
+const MANY_JOINTS: usize = 1024;
+
 /// Vertices that one thread bends at least.
 const VERTICES_PER_TASK: usize = 2048;
 
@@ -159,8 +162,12 @@ impl Scene {
             return Err(bad(format!("a vertex names joint {last}, but the skin has {}", skin.joints.len())));
         }
         let mut world_from_mesh = Vec::with_capacity(skin.joints.len());
-        for (place, joint) in skin.joints.iter().enumerate() {
-            let world_from_joint = self.world_from_local(*joint);
+        let worlds = if skin.joints.len() > MANY_JOINTS {
+            self.worlds_from_locals(&skin.joints)
+        } else {
+            skin.joints.iter().map(|joint| self.world_from_local(*joint)).collect()
+        };
+        for ((place, joint), world_from_joint) in skin.joints.iter().enumerate().zip(worlds) {
             let world_from_joint = world_from_joint.ok_or_else(|| missing("joint", format!("{joint:?}")))?;
             if !is_placed(&world_from_joint) {
                 return Err(SceneError::BadTransform { node: self.nodes[*joint].label() });

@@ -1,7 +1,7 @@
 //! The graph itself: nodes, keys, hierarchy, removal and revisions.
 
 use std::cell::OnceCell;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
@@ -379,6 +379,45 @@ impl Scene {
             }
         }
         keys
+    }
+
+    /// All that lies at or under any of `roots`; what several of them have in common is visited once.
+    pub(super) fn subtrees(&self, roots: &[NodeKey]) -> HashSet<NodeKey> {
+        let mut keys = HashSet::new();
+        let mut open = roots.to_vec();
+        while let Some(key) = open.pop() {
+            if let Some(node) = self.nodes.get(key)
+                && keys.insert(key)
+            {
+                open.extend(&node.children);
+            }
+        }
+        keys
+    }
+
+    /// [`Scene::world_from_local`] of many nodes, in time that grows with how many there are and not with how deep
+    /// they lie as well; the last digits may differ.
+    pub(super) fn worlds_from_locals(&self, keys: &[NodeKey]) -> Vec<Option<DAffine3>> {
+        let mut known: HashMap<NodeKey, DAffine3> = HashMap::new();
+        let mut path = Vec::new();
+        let mut world = |key: NodeKey| {
+            let mut next = Some(key);
+            let mut world_from_local = DAffine3::IDENTITY;
+            while let Some(key) = next {
+                if let Some(found) = known.get(&key) {
+                    world_from_local = *found;
+                    break;
+                }
+                path.push(key);
+                next = self.nodes.get(key)?.parent;
+            }
+            while let Some(key) = path.pop() {
+                world_from_local = world_from_local * self.nodes.get(key)?.parent_from_local;
+                known.insert(key, world_from_local);
+            }
+            Some(world_from_local)
+        };
+        keys.iter().map(|key| if self.nodes.contains_key(*key) { world(*key) } else { None }).collect()
     }
 
     /// The transform from the node's local space to the world; `None` when the node is gone.

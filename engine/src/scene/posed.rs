@@ -301,7 +301,7 @@ impl Scene {
         let scope = |scope: &Scope| -> Option<HashSet<NodeKey>> {
             match scope {
                 Scope::All => None,
-                Scope::Nodes(nodes) => Some(nodes.iter().flat_map(|node| self.subtree(*node)).collect()),
+                Scope::Nodes(nodes) => Some(self.subtrees(nodes)),
             }
         };
         let (lights, casters, receivers) =

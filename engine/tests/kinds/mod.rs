@@ -116,7 +116,7 @@ pub(crate) fn document() -> Value {
         (0, floats(&[0.0, 1.0, 2.0])),
         // Two triangles, and two bytes more.
         (34963, vec![0, 1, 2, 0, 2, 3, 0, 0, 0, 0, 0, 0]),
-        (34962, vec![0, 1, 0, 0].repeat(4)),
+        (34962, [0, 1, 0, 0].repeat(4)),
         (34962, floats(&[0.5, 0.5, 0.0, 0.0].repeat(4))),
         (0, [vec![1, 2, 3, 0], floats(&[0.0; 6]), floats(&identity.repeat(2))].concat()),
         (0, floats(&[-1.0, 0.0, 0.0, 0.0])),
