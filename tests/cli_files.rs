@@ -66,6 +66,7 @@ fn nothing_that_is_read_is_written_over() {
             &["is read", "cannot be written"],
         );
     }
+    names_all(&folder.refuses(2, "report scene.gltf -o report --plot scene.bin"), &["is read"]);
     if renderer().is_some() && cfg!(unix) {
         // Places of factors are known once the lights are.
         let said = folder.refuses(2, "render scene.gltf -o out.png --size 16x16 --visibility factors");

@@ -3,7 +3,7 @@
 //! A summary that fits a screen, whatever the scene: what casts and how closed it is, what receives, which technique
 //! serves which light, what is wrong. `--tree` adds every node, `--plan` the frame plan with its reasons.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use clap::Args;
 use shadowgraph::engine::gltf::{Loaded, few_digits};
@@ -16,7 +16,7 @@ use shadowgraph::prelude::*;
 use super::Failure;
 use super::output::out;
 use super::scenes::{SceneArgs, catalog, load};
-use super::tree::{self, lens, light_text, listed, options, quoted};
+use super::tree::{self, lens, light_text, listed, quoted};
 use super::view::empty_text;
 
 /// The arguments of `inspect`.
@@ -45,27 +45,41 @@ pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     let mut loaded = load(&args.scene.scene, args.scene.which_scene.as_deref(), args.scene.trust)?;
     let (scene, camera) = args.scene.prepare_loaded(std::mem::take(&mut loaded.scene))?;
     let posed = scene.pose().map_err(RenderError::from)?;
-    let registry = Registry::collect(&posed, &catalog()).map_err(RenderError::from)?;
-    let request = FrameRequest::new(camera.clone(), args.scene.size.0);
-    let plan = plan_frame(&posed, &registry, &request, &Adapter::imagined(), &mut Cache::new())
-        .map_err(RenderError::from)?;
-
     let size = args.scene.size.0;
     print_heading(&scene, &posed, &camera);
     print_scenes(&loaded);
     print_animations(&scene);
+    let planned = Registry::collect(&posed, &catalog()).map_err(RenderError::from).and_then(|registry| {
+        let request = FrameRequest::new(camera.clone(), size);
+        let plan = plan_frame(&posed, &registry, &request, &Adapter::imagined(), &mut Cache::new())?;
+        Ok((registry, plan))
+    });
+    let (registry, plan) = match planned {
+        Ok(planned) => planned,
+        Err(refused) => {
+            // What was asked for and can be told is told; the error says what cannot be.
+            if args.tree {
+                print_tree(&scene, &posed);
+            }
+            return Err(refused.into());
+        }
+    };
     print_lights(&posed, &registry);
     print_meshes(&posed, &registry);
     print_wrong(&wrong(&loaded, &posed, &registry, empty_text(&posed, &camera, size)));
     print_frame(&plan);
     if args.tree {
-        tree::print_nodes(&scene);
-        tree::print_casters(&posed);
+        print_tree(&scene, &posed);
     }
     if args.plan {
         out!("{plan}");
     }
     Ok(())
+}
+
+fn print_tree(scene: &Scene, posed: &Posed) {
+    tree::print_nodes(scene);
+    tree::print_casters(posed);
 }
 
 /// "1 mesh", "2 meshes".
@@ -142,23 +156,23 @@ fn print_lights(posed: &Posed, registry: &Registry) {
             let technique = &claim.technique;
             let changed = claim.label.strip_prefix(technique.type_name()).unwrap_or_default();
             let casters = count(claim.casters.len(), "caster", "casters");
-            format!("{}{changed} by {} for {casters}", technique.type_name(), quoted(&claim.node))
+            let onto = match technique.shades_receivers_only() {
+                true => format!(" onto {}", count(claim.receivers.len(), "receiver", "receivers")),
+                false => String::new(),
+            };
+            format!("{}{changed} by {} for {casters}{onto}", technique.type_name(), quoted(&claim.node))
         });
         let served = if claims.is_empty() { "casts no shadow".into() } else { listed(served) };
         format!("{} {}: {served}", quoted(&light.name), light_text(&light.light))
     }));
-    let mut known: BTreeMap<&str, (&str, String)> = BTreeMap::new();
-    for claim in registry.lights.iter().flatten() {
-        let technique = &claim.technique;
-        known
-            .entry(technique.type_name())
-            .or_insert_with(|| (technique.known_error(), options(&technique.params())));
-    }
+    let claims = registry.lights.iter().flatten();
+    let known: BTreeSet<(&str, &str)> =
+        claims.map(|claim| (claim.technique.type_name(), claim.technique.known_error())).collect();
     if !known.is_empty() {
         out!("techniques");
     }
-    for (name, (error, options)) in known {
-        out!("  {name}{options}; known error: {error}");
+    for (name, error) in known {
+        out!("  {name}; known error: {error}");
     }
 }
 
