@@ -16,7 +16,7 @@ const BIN_CHUNK: u32 = 0x004E_4942;
 
 /// Splits a file into JSON and binary chunk; what does not begin with the .glb magic is JSON as a whole.
 ///
-/// The gltf crate's own splitter subtracts from the header's length unchecked, hence this one.
+/// Lengths in the file are never taken from one another unchecked: it may claim any.
 pub(super) fn split(bytes: &[u8]) -> Result<Parts<'_>, GltfError> {
     if !bytes.starts_with(b"glTF") {
         let json = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);

@@ -1,7 +1,7 @@
 //! Typed access to the fields of one JSON object, with errors that name object and field.
 //!
-//! Nodes, cameras and lights are read from plain JSON values rather than through the gltf crate: it keeps f32
-//! where the engine keeps f64 (transforms, angles), and it cannot read `extras` within lights.
+//! Nodes, cameras, lights, skins and animations are read through it, numbers as f64: transforms and angles keep all
+//! their digits.
 
 use serde_json::{Map, Value};
 
