@@ -412,7 +412,7 @@ impl Scene {
                 next = self.nodes.get(key)?.parent;
             }
             while let Some(key) = path.pop() {
-                world_from_local = world_from_local * self.nodes.get(key)?.parent_from_local;
+                world_from_local *= self.nodes.get(key)?.parent_from_local;
                 known.insert(key, world_from_local);
             }
             Some(world_from_local)
