@@ -295,8 +295,8 @@ fn a_floor_receives_what_the_scene_casts() {
     render(&folder, "--technique hard --visibility factors --floor 0:12");
     assert_eq!(dark_on_floor(), 0.0);
     render(&folder, "--technique hard --visibility factors --floor -0.5:12");
-    let inspected = folder.run("inspect yard.glb --technique hard --floor -0.5:12").ok();
-    names_all(&inspected.stdout, &["'floor' mesh", "1 casters"]);
+    let inspected = folder.run("inspect yard.glb --technique hard --floor -0.5:12 --tree").ok();
+    names_all(&inspected.stdout, &["'floor' mesh", "for 1 caster"]);
 }
 
 #[test]
@@ -365,22 +365,28 @@ fn adapters_are_listed_and_chosen() {
 }
 
 #[test]
-fn inspect_prints_tree_closedness_and_plan() {
+fn inspect_prints_summary_tree_closedness_and_plan() {
     let folder = Folder::new();
     folder.save("yard.glb", &shadowed_yard(&[("depthTest", "zfail")]));
-    let ran = folder.run(&format!("inspect yard.glb {VIEW} --size 320x200")).ok();
+    let summary = folder.run(&format!("inspect yard.glb {VIEW} --size 320x200")).ok();
+    let ran = folder.run(&format!("inspect yard.glb {VIEW} --size 320x200 --tree --plan")).ok();
     let place = |text: &str| ran.stdout.find(text).unwrap_or_else(|| panic!("no '{text}': {}", ran.stdout));
-    assert!(place("nodes\n") < place("casters\n") && place("casters\n") < place("lights\n"));
+    assert!(place("lights\n") < place("nodes\n") && place("nodes\n") < place("casters\n"));
+    // The summary comes first, and alone when nothing else is asked for.
+    assert!(ran.stdout.starts_with(&summary.stdout), "{}", summary.stdout);
+    assert!(!summary.stdout.contains("nodes\n") && !summary.stdout.contains("slot 0"), "{}", summary.stdout);
     names_all(
         &ran.stdout,
         &[
             "'crate' mesh 'crate', 12 triangles",
-            "'lamp' light Point",
-            "'shadows' shadow ShadowVolumeHard",
+            "'lamp' point light",
+            "'shadows' shadow ShadowVolumeHard closure=none counter=auto depthTest=zfail",
+            "lights: all, casters: all",
             "'crate' closed: 0 boundary",
             "'floor' open: 4 boundary",
-            "'lamp' from 'shadows': ShadowVolumeHard",
-            "\"zfail\"",
+            "ShadowVolumeHard depthTest=zfail by 'shadows' for 1 caster",
+            "cast nothing: 'floor'",
+            "'crate' closed, 12 triangles",
             "known error: ",
             "320x200",
             "bytes",
@@ -388,7 +394,7 @@ fn inspect_prints_tree_closedness_and_plan() {
         ],
     );
     let other = folder.run("inspect yard.glb --technique none --light directional:0,-1,0").ok();
-    names_all(&other.stdout, &["'light0' light Directional", "'light0' casts no shadow"]);
+    names_all(&other.stdout, &["'light0' directional light", "lx: casts no shadow"]);
     assert!(!other.stdout.contains("volumes of"), "{}", other.stdout);
     assert_eq!(folder.names("."), ["yard.glb"]);
 }
@@ -415,7 +421,7 @@ fn without_an_adapter_only_inspect_works() {
             names_all(&run(arguments).error(1), &["no graphics adapter", "install a Vulkan driver"]);
         }
         assert!(before == folder.contents(), "nothing is written");
-        names_all(&run("inspect yard.glb").ok().stdout, &["volumes of lamp"]);
+        names_all(&run("inspect yard.glb --plan").ok().stdout, &["volumes of lamp"]);
     }
 }
 
@@ -434,9 +440,13 @@ fn help_names_every_option() {
         "--technique",
         "--light",
         "--floor",
+        "--outside-files",
+        "--memory",
         "--list-adapters",
     ];
-    names_all(&folder.run("inspect --help").ok().stdout, &scene);
+    let help = folder.run("inspect --help").ok().stdout;
+    names_all(&help, &scene);
+    names_all(&help, &["--tree", "--plan"]);
     let help = folder.run("render --help").ok().stdout;
     names_all(&help, &scene);
     names_all(&help, &["--output", "--visibility", "--error", "--frames", "--json", "--adapter"]);
@@ -453,14 +463,14 @@ fn stdout_may_end_early() {
     }
     folder.save("yard.glb", &scene);
     let mut child = folder
-        .command(["inspect", "yard.glb"], &[])
+        .command(["inspect", "yard.glb", "--tree"], &[])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .expect("it runs");
     let mut first = [0_u8; 5];
     child.stdout.take().expect("it is piped").read_exact(&mut first).expect("it prints");
-    assert_eq!(&first, b"nodes");
+    assert_eq!(&first, b"504 n", "its first line says how many nodes there are");
     let ended = child.wait_with_output().expect("it ends");
     let stderr = String::from_utf8_lossy(&ended.stderr);
     assert!(ended.status.success() && !stderr.contains("panicked"), "{stderr}");

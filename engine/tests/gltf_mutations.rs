@@ -4,6 +4,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod kinds;
+
 use std::time::{Duration, Instant};
 
 use glam::{DAffine3, DVec3, Vec3};
@@ -148,6 +150,36 @@ fn handwritten() -> Vec<u8> {
     .into_bytes()
 }
 
+/// The document of all kinds of files, its texture in WebP.
+fn webp() -> Value {
+    let mut document = kinds::document();
+    document["textures"][0] = json!({ "source": 0, "extensions": { "EXT_texture_webp": { "source": 1 } } });
+    document
+}
+
+/// The same with instances, a morph target and sparse accessors.
+fn instanced() -> Value {
+    let mut document = kinds::document();
+    document["nodes"][0]["extensions"] =
+        json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": 0, "_ID": 4 } } });
+    let sparse = json!({ "count": 1, "indices": { "bufferView": 7, "componentType": 5121 }, "values": { "bufferView": 1 } });
+    document["accessors"][1]["sparse"] = sparse.clone();
+    document["accessors"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({ "componentType": 5126, "count": 4, "type": "VEC3", "sparse": sparse }));
+    document["meshes"][1]["primitives"][0]["targets"] = json!([{ "POSITION": 9 }]);
+    document["meshes"][1]["weights"] = json!([0.5]);
+    document
+}
+
+/// The most memory that this process had at once, in bytes, where the system says so.
+fn peak_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(line.trim().split(' ').next()?.parse::<u64>().ok()? << 10)
+}
+
 fn split(glb: &[u8]) -> (Value, &[u8]) {
     if !glb.starts_with(b"glTF") {
         return (serde_json::from_slice(glb).unwrap(), &[]);
@@ -212,6 +244,12 @@ fn edit(json: &mut Value, random: &mut Random) {
                 object.remove(&key);
             }
             Value::Array(values) if random.below(2) == 0 => values.push(replacement),
+            // What is packed or encoded in a data URI stays readable for the most part.
+            Value::String(text) if random.below(2) == 0 && text.len() > 100 && text.is_ascii() => {
+                let place = text.len() / 4 + random.below(text.len() / 2);
+                let letter = ["A", "/", "8", "q", "%", "="][random.below(6)];
+                text.replace_range(place..=place, letter);
+            }
             slot => *slot = replacement,
         }
     }
@@ -222,7 +260,8 @@ fn mutated_files_neither_panic_nor_hang() {
     let setting = |name: &str| std::env::var(name).ok().and_then(|value| value.parse::<u64>().ok());
     let inputs = setting("FUZZ_INPUTS").unwrap_or(20_000);
     let mut random = Random(setting("FUZZ_SEED").unwrap_or(1));
-    let seeds = [saved(), moving(), handwritten()];
+    let documents = [webp(), instanced(), kinds::packed()].map(|document| document.to_string().into_bytes());
+    let seeds: Vec<Vec<u8>> = [saved(), moving(), handwritten()].into_iter().chain(documents).collect();
     for seed in &seeds {
         gltf::load_slice(seed, None).unwrap().scene.pose().unwrap();
     }
@@ -260,7 +299,13 @@ fn mutated_files_neither_panic_nor_hang() {
         slowest = slowest.max(elapsed);
         assert!(elapsed < Duration::from_secs(10), "input {input} took {elapsed:?}");
     }
-    eprintln!("{loaded} of {inputs} mutated files loaded; the slowest took {slowest:?}");
+    let peak = peak_bytes().unwrap_or(0);
+    eprintln!(
+        "{loaded} of {inputs} mutated files loaded; the slowest took {slowest:?}; {} MiB at most",
+        peak >> 20
+    );
+    // The budget of one load, once more for the scene that is posed and saved, and what the allocator keeps.
+    assert!(peak < 5 << 30, "{peak} bytes");
     // A test of mutations that all fail at the first check would test little.
     assert!(loaded > inputs / 20 && loaded < inputs, "{loaded} of {inputs} loaded");
 }

@@ -13,7 +13,7 @@ use super::{Failure, other};
 #[derive(Debug, Default)]
 pub(crate) struct Outputs {
     /// Files that must not be written over.
-    inputs: Vec<PathBuf>,
+    inputs: Vec<Identity>,
     /// The places spoken for.
     reserved: Vec<PathBuf>,
     staged: Vec<Staged>,
@@ -29,17 +29,28 @@ struct Staged {
 }
 
 impl Outputs {
-    /// Outputs that may not replace `input`.
-    pub(crate) fn beside(input: &Path) -> Self {
+    /// Outputs that may not replace any of `inputs`.
+    pub(crate) fn beside(inputs: &[PathBuf]) -> Self {
         let mut outputs = Self::default();
-        outputs.protect(input);
+        inputs.iter().for_each(|input| outputs.protect(input));
         outputs
     }
 
     /// Neither may they replace this.
     pub(crate) fn protect(&mut self, input: &Path) {
         // What cannot be found is not read either.
-        self.inputs.extend(input.canonicalize());
+        self.inputs.extend(Identity::of(input));
+    }
+
+    /// Refuses what is read, by whatever path it is named.
+    fn check_unread(&self, place: &Path, named: &Path) -> Result<(), Failure> {
+        match Identity::of(place) {
+            Some(identity) if self.inputs.contains(&identity) => {
+                let shown = named.display();
+                Err(Failure::Usage(format!("'{shown}' is read; it cannot be written as well")))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Checks that `path` can be written, before any time is spent on what goes there.
@@ -54,10 +65,10 @@ impl Outputs {
             .canonicalize()
             .map_err(|error| Failure::Other(format!("cannot write '{shown}': its folder: {error}")))?;
         let place = inside.join(name);
-        if place.canonicalize().is_ok_and(|place| self.inputs.contains(&place)) {
-            return Err(Failure::Usage(format!("'{shown}' is read; it cannot be written as well")));
-        }
-        if self.reserved.contains(&place) {
+        self.check_unread(&place, path)?;
+        let identity = Identity::of(&place);
+        let same = |other: &PathBuf| *other == place || identity.is_some() && Identity::of(other) == identity;
+        if self.reserved.iter().any(same) {
             return Err(Failure::Usage(format!("'{shown}' is named for two outputs")));
         }
         let temporary = self.temporary(path);
@@ -82,6 +93,8 @@ impl Outputs {
         path: &Path,
         write: impl FnOnce(&Path) -> io::Result<()>,
     ) -> Result<(), Failure> {
+        // Some inputs are known only after places were reserved.
+        self.check_unread(path, path)?;
         let temporary = self.temporary(path);
         self.staged.push(Staged { path: path.into(), temporary: temporary.clone() });
         write(&temporary).map_err(|error| cannot_write(path, &error))
@@ -127,6 +140,32 @@ impl Drop for Outputs {
         for folder in self.made_folders.iter().rev() {
             let _ = fs::remove_dir(folder);
         }
+    }
+}
+
+/// Which file a path leads to, whether by links, by `..`, in other letters or under another name.
+#[derive(Debug, PartialEq, Eq)]
+struct Identity {
+    /// Device and number: the same for all names of one file.
+    #[cfg(unix)]
+    inode: (u64, u64),
+    #[cfg(not(unix))]
+    path: PathBuf,
+}
+
+impl Identity {
+    /// `None` where nothing is.
+    #[cfg(unix)]
+    fn of(path: &Path) -> Option<Self> {
+        use std::os::unix::fs::MetadataExt;
+        let metadata = fs::metadata(path).ok()?;
+        Some(Self { inode: (metadata.dev(), metadata.ino()) })
+    }
+
+    #[cfg(not(unix))]
+    fn of(path: &Path) -> Option<Self> {
+        // It has the letters that the file system knows the file by.
+        path.canonicalize().ok().map(|path| Self { path })
     }
 }
 

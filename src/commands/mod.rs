@@ -10,6 +10,8 @@ mod output;
 mod render;
 mod report;
 mod scenes;
+mod tree;
+mod view;
 
 use std::process::ExitCode;
 
@@ -38,7 +40,7 @@ struct Cli {
 enum Command {
     /// Renders a scene, times it, and compares its shadows with the exact reference.
     Render(Box<render::RenderArgs>),
-    /// Prints a scene's nodes, its casters' closedness and the frame plan with its reasons.
+    /// Says what a scene is: what casts and receives, which technique serves which light, and what is wrong.
     Inspect(Box<inspect::InspectArgs>),
     /// Measures every technique on a list of scenes: speed against error as pages, plots and tables.
     ///

@@ -88,9 +88,10 @@ fn open_gpu(adapter: Option<&str>) -> Result<Gpu, Failure> {
 }
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
-    let (scene, camera) = args.scene.prepare()?;
+    let (scene, camera, read) = args.scene.prepare()?;
+    super::view::note_empty(&scene, &camera, args.scene.size.0)?;
     // Where the results go is checked before any time is spent on them.
-    let mut outputs = Outputs::beside(&args.scene.scene);
+    let mut outputs = Outputs::beside(&read);
     outputs.reserve(&args.output)?;
     args.json.iter().chain(&args.sheet).try_for_each(|path| outputs.reserve(path))?;
     args.visibility.iter().try_for_each(|folder| outputs.make_folder(folder))?;

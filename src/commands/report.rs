@@ -14,7 +14,7 @@ use super::args::Size;
 use super::files::Outputs;
 use super::output::{note, out};
 use super::render::open_with;
-use super::scenes::SceneArgs;
+use super::scenes::{SceneArgs, TrustArgs};
 
 /// The arguments of `report`.
 #[derive(Debug, Args)]
@@ -46,6 +46,8 @@ pub(crate) struct ReportArgs {
     /// The adapter whose name contains this.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
+    #[command(flatten)]
+    trust: TrustArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -71,12 +73,17 @@ impl ReportArgs {
         Effort { parts, size_px, scene_settings, ..effort }
     }
 
-    fn scenes(&self) -> Vec<ReportScene> {
+    /// The scenes, and every file that was read for them.
+    fn scenes(&self) -> (Vec<ReportScene>, Vec<PathBuf>) {
         if self.scenes.is_empty() {
             let own = demo::all().into_iter().chain(demo::speed());
-            return own.map(|(name, shows, scene)| of_the_project(name, shows, scene)).collect();
+            return (
+                own.map(|(name, shows, scene)| of_the_project(name, shows, scene)).collect(),
+                Vec::new(),
+            );
         }
         let mut scenes: Vec<ReportScene> = Vec::new();
+        let mut read = self.scenes.clone();
         for path in &self.scenes {
             let stem = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
             let taken = |name: &str| scenes.iter().any(|scene| scene.name == name);
@@ -84,9 +91,9 @@ impl ReportArgs {
                 .map(|count| if count == 1 { stem.clone() } else { format!("{stem}-{count}") })
                 .find(|name| !taken(name))
                 .unwrap_or(stem.clone());
-            scenes.push(from_file(name, path));
+            scenes.push(from_file(name, path, self.trust, &mut read));
         }
-        scenes
+        (scenes, read)
     }
 }
 
@@ -99,19 +106,22 @@ fn of_the_project(name: &str, shows: &str, scene: Scene) -> ReportScene {
 }
 
 /// A scene as `render` would show it. One that cannot be loaded is part of the report, with the reason.
-fn from_file(name: String, path: &Path) -> ReportScene {
-    let args = SceneArgs::plain(path.into());
+fn from_file(name: String, path: &Path, trust: TrustArgs, read: &mut Vec<PathBuf>) -> ReportScene {
+    let args = SceneArgs::plain(path.into(), trust);
     let scene = args.prepare().map_err(|failure| failure.to_string());
+    let scene = scene.map(|(scene, camera, files)| {
+        read.extend(files);
+        (scene, camera)
+    });
     ReportScene { name, shows: path.display().to_string(), scene }
 }
 
 pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let effort = args.effort();
-    let scenes = args.scenes();
+    let (scenes, read) = args.scenes();
     // Where the results go is checked before any time is spent on them.
     let index = args.output.join("index.html");
-    let mut outputs = Outputs::default();
-    args.scenes.iter().for_each(|scene| outputs.protect(scene));
+    let mut outputs = Outputs::beside(&read);
     outputs.make_folder(&args.output)?;
     outputs.reserve(&index)?;
     args.plot.iter().try_for_each(|plot| outputs.reserve(plot))?;

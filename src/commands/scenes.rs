@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec3};
 use shadowgraph::engine::gltf::{GltfError, LoadOptions, Loaded, SceneChoice, ShadowTypes, load_with};
 use shadowgraph::engine::math::{Aabb, Projection};
 use shadowgraph::engine::scene::look_at;
-use shadowgraph::engine::shadow::Catalog;
+use shadowgraph::engine::shadow::{Catalog, ShadowError};
 use shadowgraph::measure::ReferenceShadow;
 use shadowgraph::prelude::*;
 use shadowgraph::receivers_for;
@@ -57,6 +57,19 @@ pub(crate) struct SceneArgs {
     /// The animation of this name instead of the first.
     #[arg(long, value_name = "NAME", requires = "time")]
     pub(crate) animation: Option<String>,
+    #[command(flatten)]
+    pub(crate) trust: TrustArgs,
+}
+
+/// How far a file from elsewhere is trusted.
+#[derive(Clone, Copy, Debug, Default, Args)]
+pub(crate) struct TrustArgs {
+    /// Reads buffers and images that lie outside the scene's folder as well; they are refused otherwise.
+    #[arg(long)]
+    pub(crate) outside_files: bool,
+    /// The most memory that the scene's meshes and images may take, in MiB, images at most half of it [default: 2048].
+    #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..=1 << 30))]
+    pub(crate) memory: Option<u64>,
 }
 
 /// Every technique the command line knows: those of the project, and the reference as one more.
@@ -70,14 +83,26 @@ struct KnownTypes(Catalog);
 
 impl ShadowTypes for KnownTypes {
     fn check(&self, node: &ShadowNode) -> Result<(), String> {
-        self.0.technique("", node).map(|_| ()).map_err(|error| error.to_string())
+        self.0.technique("", node).map(|_| ()).map_err(|error| match error {
+            // The loader says which node it is.
+            ShadowError::Option { source, .. } => source.to_string(),
+            error => error.to_string().trim_start_matches("shadow node '': ").to_owned(),
+        })
     }
 }
 
 /// Loads the chosen scene of `path`, checking its shadow nodes; warnings go to stderr.
-pub(crate) fn load(path: &Path, which: Option<&str>) -> Result<Loaded, Failure> {
+pub(crate) fn load(path: &Path, which: Option<&str>, trust: TrustArgs) -> Result<Loaded, Failure> {
     let types = KnownTypes(catalog());
-    let with = |scene| load_with(path, &LoadOptions { scene, shadow_types: Some(&types) });
+    let with = |scene| {
+        let options = LoadOptions {
+            scene,
+            shadow_types: Some(&types),
+            outside_files: trust.outside_files,
+            memory_budget: trust.memory.map(|mib| mib << 20),
+        };
+        load_with(path, &options)
+    };
     let loaded = match which {
         None => with(SceneChoice::Default),
         // A scene may be called by a number; where none is, it is an index.
@@ -102,14 +127,16 @@ pub(crate) fn load(path: &Path, which: Option<&str>) -> Result<Loaded, Failure> 
 
 impl SceneArgs {
     /// The scene as it is.
-    pub(crate) fn plain(scene: PathBuf) -> Self {
-        Self { scene, ..Self::default() }
+    pub(crate) fn plain(scene: PathBuf, trust: TrustArgs) -> Self {
+        Self { scene, trust, ..Self::default() }
     }
 
-    /// The scene with everything the arguments change, and the camera.
-    pub(crate) fn prepare(&self) -> Result<(Scene, PosedCamera), Failure> {
-        let loaded = load(&self.scene, self.which_scene.as_deref())?;
-        self.prepare_loaded(loaded.scene)
+    /// The scene with everything the arguments change, the camera, and every file that was read.
+    pub(crate) fn prepare(&self) -> Result<(Scene, PosedCamera, Vec<PathBuf>), Failure> {
+        let mut loaded = load(&self.scene, self.which_scene.as_deref(), self.trust)?;
+        let files = std::mem::take(&mut loaded.files);
+        let (scene, camera) = self.prepare_loaded(loaded.scene)?;
+        Ok((scene, camera, files))
     }
 
     /// [`SceneArgs::prepare`] of a scene that was loaded as these arguments say.

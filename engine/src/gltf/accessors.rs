@@ -1,21 +1,100 @@
 //! Accessors: typed streams of numbers in buffers, checked before anything is allocated.
 
-use gltf::json;
-use json::accessor::{ComponentType, Type};
-use json::validation::Checked;
+use serde_json::{Map, Value};
 
 use super::GltfError;
-use super::buffers::Buffers;
+use super::buffers::{Buffers, whole};
+use super::document::{Document, Section};
 use super::limits::Budget;
 
-/// The most elements an accessor may have that has no buffer view, only sparse values: nothing else bounds it.
-const MAX_COUNT_WITHOUT_VIEW: u64 = 1 << 20;
+/// The most elements an accessor may have that has no buffer view: nothing else bounds it.
+const MAX_COUNT_WITHOUT_VIEW: u64 = 1 << 22;
+
+/// The shape of an accessor's elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Type {
+    Scalar,
+    Vec2,
+    Vec3,
+    Vec4,
+    Mat2,
+    Mat3,
+    Mat4,
+}
+
+impl Type {
+    fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "SCALAR" => Self::Scalar,
+            "VEC2" => Self::Vec2,
+            "VEC3" => Self::Vec3,
+            "VEC4" => Self::Vec4,
+            "MAT2" => Self::Mat2,
+            "MAT3" => Self::Mat3,
+            "MAT4" => Self::Mat4,
+            _ => return None,
+        })
+    }
+
+    fn components(self) -> usize {
+        match self {
+            Self::Scalar => 1,
+            Self::Vec2 => 2,
+            Self::Vec3 => 3,
+            Self::Vec4 | Self::Mat2 => 4,
+            Self::Mat3 => 9,
+            Self::Mat4 => 16,
+        }
+    }
+}
+
+/// The type of an accessor's numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ComponentType {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+impl ComponentType {
+    fn coded(code: u64) -> Option<Self> {
+        Some(match code {
+            5120 => Self::I8,
+            5121 => Self::U8,
+            5122 => Self::I16,
+            5123 => Self::U16,
+            5125 => Self::U32,
+            5126 => Self::F32,
+            _ => return None,
+        })
+    }
+
+    fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::U32 | Self::F32 => 4,
+        }
+    }
+}
 
 /// Reads accessors of one document.
 #[derive(Debug)]
 pub(super) struct Accessors<'a> {
-    pub(super) root: &'a json::Root,
-    pub(super) buffers: &'a Buffers<'a>,
+    pub(super) document: &'a Document,
+    pub(super) buffers: Buffers<'a>,
+}
+
+/// Where in a buffer view the elements of an accessor lie, in bytes.
+#[derive(Clone, Copy, Debug)]
+struct Elements {
+    offset: u64,
+    count: u64,
+    stride: usize,
+    size: usize,
 }
 
 /// How integer components become floats.
@@ -30,7 +109,7 @@ pub(super) enum Integers {
 impl Accessors<'_> {
     /// The number of components of each element.
     pub(super) fn width(&self, accessor: usize, purpose: &'static str) -> Result<usize, GltfError> {
-        Ok(kind(self.get(accessor, purpose)?, accessor, purpose)?.0.multiplicity())
+        Ok(kind(self.get(accessor, purpose)?, accessor, purpose)?.0.components())
     }
 
     /// An accessor of scalars or vectors of `N` components as floats, every one of them finite.
@@ -47,7 +126,8 @@ impl Accessors<'_> {
             let problem = format!("it is {found:?}, {:?} is needed", vector(N));
             return Err(GltfError::Accessor { accessor, purpose, problem });
         }
-        let normalized = declaration.normalized || integers == Integers::Normalized;
+        let normalized =
+            declaration.get("normalized") == Some(&Value::Bool(true)) || integers == Integers::Normalized;
         let size = component.size();
         let values = self.read(accessor, purpose, N * size, [0.0; N], budget, |bytes| {
             std::array::from_fn(|i| float(&bytes[i * size..], component, normalized))
@@ -56,6 +136,9 @@ impl Accessors<'_> {
         {
             let problem = format!("element {element} is {:?}; finite numbers are needed", values[element]);
             return Err(GltfError::Accessor { accessor, purpose, problem });
+        }
+        if component == ComponentType::F32 {
+            self.compare_bounds(accessor, declaration, &values);
         }
         Ok(values)
     }
@@ -109,14 +192,57 @@ impl Accessors<'_> {
         self.floats::<16>(accessor, purpose, Integers::AsDeclared, budget)
     }
 
-    fn get(&self, accessor: usize, purpose: &'static str) -> Result<&json::Accessor, GltfError> {
-        self.root.accessors.get(accessor).ok_or_else(|| GltfError::IndexOutOfRange {
-            item: purpose.into(),
-            field: "accessor".into(),
-            kind: "accessor",
-            index: accessor as u64,
-            count: self.root.accessors.len(),
-        })
+    fn get(&self, accessor: usize, purpose: &'static str) -> Result<&Map<String, Value>, GltfError> {
+        let count = self.document.accessors.len();
+        if accessor >= count {
+            let (item, field) = (purpose.into(), "accessor".into());
+            return Err(GltfError::IndexOutOfRange {
+                item,
+                field,
+                kind: "accessor",
+                index: accessor as u64,
+                count,
+            });
+        }
+        self.document.used(Section::Accessors, accessor)
+    }
+
+    /// Whether an accessor says between which values its elements lie.
+    pub(super) fn has_bounds(&self, accessor: usize) -> bool {
+        let value = self.document.accessors.get(accessor);
+        value.is_some_and(|value| value.get("min").is_some() && value.get("max").is_some())
+    }
+
+    /// Whether an accessor has any values of its own; all others are zero.
+    pub(super) fn has_data(&self, accessor: usize) -> bool {
+        let value = self.document.accessors.get(accessor);
+        value.is_some_and(|value| value.get("bufferView").is_some() || value.get("sparse").is_some())
+    }
+
+    /// Notes bounds that are not the values'; nothing here relies on them.
+    fn compare_bounds<const N: usize>(
+        &self,
+        accessor: usize,
+        declaration: &Map<String, Value>,
+        values: &[[f32; N]],
+    ) {
+        for (field, of) in [("min", f32::min as fn(f32, f32) -> f32), ("max", f32::max)] {
+            let Some(declared) = declaration.get(field).and_then(Value::as_array) else { continue };
+            let found: [f32; N] = values
+                .iter()
+                .skip(1)
+                .fold(values[0], |found, value| std::array::from_fn(|i| of(found[i], value[i])));
+            let size = found.iter().fold(1e-6, |size: f64, x| size.max(f64::from(x.abs())));
+            // Exporters write them with fewer digits than the values have.
+            let differs = |(declared, found): (&Value, &f32)| {
+                declared.as_f64().is_none_or(|declared| (declared - f64::from(*found)).abs() > 1e-3 * size)
+            };
+            if declared.len() != N || declared.iter().zip(&found).any(differs) {
+                self.document.note(format!(
+                    "accessor {accessor}: its '{field}' is not that of its values, and not used"
+                ));
+            }
+        }
     }
 
     /// Base values, then sparse ones over them.
@@ -131,20 +257,23 @@ impl Accessors<'_> {
     ) -> Result<Vec<T>, GltfError> {
         let declaration = self.get(accessor, purpose)?;
         let wrong = |problem: String| GltfError::Accessor { accessor, purpose, problem };
-        let count = declaration.count.0;
+        let count = whole(declaration, "count");
         if count == 0 {
             return Err(wrong("it is empty; at least 1 element is needed".into()));
         }
-        let mut values = match declaration.buffer_view {
+        let index = |object: &Map<String, Value>, field| object.get(field).and_then(Value::as_u64);
+        let mut values = match index(declaration, "bufferView") {
             Some(view) => {
-                let stride = self.root.get(view).and_then(|view| view.byte_stride).map_or(size, |s| s.0);
+                let view = view as usize;
+                let declared = self.document.used(Section::BufferViews, view)?;
+                let stride = index(declared, "byteStride").map_or(size, |stride| stride as usize);
                 if stride < size {
                     return Err(wrong(format!(
                         "its buffer view's byteStride {stride} is below its elements' {size}"
                     )));
                 }
-                let offset = declaration.byte_offset.unwrap_or_default().0;
-                let bytes = self.range(accessor, view, offset, count, stride, size)?;
+                let offset = whole(declaration, "byteOffset");
+                let bytes = self.range(accessor, view, Elements { offset, count, stride, size }, budget)?;
                 budget.charge_elements(count)?;
                 bytes.chunks(stride).map(&parse).collect()
             }
@@ -153,30 +282,33 @@ impl Accessors<'_> {
                 return Err(GltfError::TooLarge { what, count, limit: MAX_COUNT_WITHOUT_VIEW });
             }
             None => {
-                // Memory without a byte of the file behind it counts sixteenfold.
-                budget.charge_elements(count * 16)?;
+                budget.charge_elements(count)?;
                 vec![zero; count as usize]
             }
         };
-        let Some(sparse) = &declaration.sparse else { return Ok(values) };
-        if sparse.count.0 == 0 || sparse.count.0 > count {
-            return Err(wrong(format!("it has {} sparse values; 1 to {count} are needed", sparse.count.0)));
+        let Some(sparse) = declaration.get("sparse").and_then(Value::as_object) else { return Ok(values) };
+        let places_count = whole(sparse, "count");
+        if places_count == 0 || places_count > count {
+            return Err(wrong(format!("it has {places_count} sparse values; 1 to {count} are needed")));
         }
-        let Checked::Valid(json::accessor::IndexComponentType(component)) = sparse.indices.component_type
-        else {
+        // The check of the accessor's fields has seen to it that both are there.
+        let nothing = Map::new();
+        let inner = |field: &str| sparse.get(field).and_then(Value::as_object).unwrap_or(&nothing);
+        let (indices, replaced) = (inner("indices"), inner("values"));
+        let Some(component) = ComponentType::coded(whole(indices, "componentType")) else {
             return Err(wrong("its sparse indices have no valid component type".into()));
         };
-        let (indices, places) = (&sparse.indices, component.size());
-        let places_bytes =
-            self.range(accessor, indices.buffer_view, indices.byte_offset.0, sparse.count.0, places, places)?;
-        let values_bytes = self.range(
-            accessor,
-            sparse.values.buffer_view,
-            sparse.values.byte_offset.0,
-            sparse.count.0,
-            size,
-            size,
-        )?;
+        let places = component.size();
+        let mut part = |object: &Map<String, Value>, size| {
+            let view = whole(object, "bufferView") as usize;
+            self.range(
+                accessor,
+                view,
+                Elements { offset: whole(object, "byteOffset"), count: places_count, stride: size, size },
+                budget,
+            )
+        };
+        let (places_bytes, values_bytes) = (part(indices, places)?, part(replaced, size)?);
         let mut previous = None;
         for (place, bytes) in places_bytes.chunks_exact(places).zip(values_bytes.chunks_exact(size)) {
             let place = unsigned_at(place, component);
@@ -195,17 +327,15 @@ impl Accessors<'_> {
     fn range(
         &self,
         accessor: usize,
-        view: json::Index<json::buffer::View>,
-        offset: u64,
-        count: u64,
-        stride: usize,
-        size: usize,
+        view: usize,
+        Elements { offset, count, stride, size }: Elements,
+        budget: &mut Budget,
     ) -> Result<&[u8], GltfError> {
-        let bytes = self.buffers.view(self.root, view)?;
+        let bytes = self.buffers.view(view, budget)?;
         let length = (u128::from(count) - 1) * stride as u128 + size as u128;
         let needed = u128::from(offset) + length;
         if needed > bytes.len() as u128 {
-            let (view, available) = (view.value(), bytes.len());
+            let available = bytes.len();
             return Err(GltfError::AccessorRange { accessor, needed, view, available });
         }
         Ok(&bytes[offset as usize..needed as usize])
@@ -213,17 +343,21 @@ impl Accessors<'_> {
 }
 
 fn kind(
-    declaration: &json::Accessor,
+    declaration: &Map<String, Value>,
     accessor: usize,
     purpose: &'static str,
 ) -> Result<(Type, ComponentType), GltfError> {
-    match (declaration.type_, declaration.component_type) {
-        (Checked::Valid(found), Checked::Valid(component)) => Ok((found, component.0)),
-        _ => {
-            let problem = "its type or componentType is unknown".into();
-            Err(GltfError::Accessor { accessor, purpose, problem })
-        }
-    }
+    let found = declaration.get("type").and_then(Value::as_str).and_then(Type::named);
+    found.zip(ComponentType::coded(whole(declaration, "componentType"))).ok_or_else(|| {
+        let problem = "its type or componentType is unknown".into();
+        GltfError::Accessor { accessor, purpose, problem }
+    })
+}
+
+/// How many components an accessor's elements have, and the bytes of each.
+pub(super) fn element_bytes(declaration: &Map<String, Value>) -> Option<(usize, usize)> {
+    let found = declaration.get("type").and_then(Value::as_str).and_then(Type::named)?;
+    Some((found.components(), ComponentType::coded(whole(declaration, "componentType"))?.size()))
 }
 
 fn vector(components: usize) -> Type {

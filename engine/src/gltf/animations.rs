@@ -1,6 +1,6 @@
 //! Skins and animations: what moves the nodes and bends the meshes.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat4};
@@ -8,16 +8,18 @@ use glam::{DAffine3, DMat4};
 use super::GltfError;
 use super::accessors::{Accessors, Integers};
 use super::fields::Item;
+use super::hierarchy::Hierarchy;
 use super::limits::{Budget, Warnings};
 use super::nodes::Builder;
 use super::transforms::parts;
-use crate::scene::{Animation, Channel, Content, Interpolation, NodeKey, Property, Skin, Track};
+use crate::scene::{Animation, Channel, Content, Interpolation, NodeKey, Property, SceneError, Skin, Track};
 
 impl Builder<'_> {
     /// Reads what moves nodes and bends meshes, once every node has its key.
     pub(super) fn bend(
         &mut self,
         nodes: &[Item<'_>],
+        hierarchy: &Hierarchy,
         order: &[usize],
         keys: &[Option<NodeKey>],
         instanced: &[bool],
@@ -31,6 +33,7 @@ impl Builder<'_> {
             instanced,
         };
         let mut skins = HashMap::new();
+        let mut spans = None;
         for &index in order.iter().filter(|index| !instanced[**index]) {
             let node = &nodes[index];
             let Some(skin) = node.index("skin", "skin", document.skins.len())? else { continue };
@@ -52,8 +55,9 @@ impl Builder<'_> {
                 None => {
                     let item = Item::new("skin", skin, &document.skins[skin])?;
                     let bad = |problem: String| GltfError::Content { item: item.label(), problem };
+                    reader.compare_roots(&item, spans.get_or_insert_with(|| hierarchy.spans()))?;
                     let added =
-                        self.scene.add_skin(reader.skin(&item)?).map_err(|error| bad(error.to_string()))?;
+                        self.scene.add_skin(reader.skin(&item)?).map_err(|error| bad(problem_of(error)))?;
                     skins.insert(skin, added);
                     added
                 }
@@ -83,13 +87,21 @@ impl Builder<'_> {
                     && let Some(parts) = parts(&nodes[index])?
                 {
                     let bad = |problem: String| GltfError::Content { item: item.label(), problem };
-                    self.scene.set_transform(channel.node, parts).map_err(|error| bad(error.to_string()))?;
+                    self.scene.set_transform(channel.node, parts).map_err(|error| bad(problem_of(error)))?;
                 }
             }
             let bad = |problem: String| GltfError::Content { item: item.label(), problem };
-            self.scene.add_animation(animation).map_err(|error| bad(error.to_string()))?;
+            self.scene.add_animation(animation).map_err(|error| bad(problem_of(error)))?;
         }
         Ok(())
+    }
+}
+
+/// What is wrong, without the name of what it is about: the loader says which it is.
+fn problem_of(error: SceneError) -> String {
+    match error {
+        SceneError::BadContent { problem, .. } => problem,
+        other => other.to_string(),
     }
 }
 
@@ -105,6 +117,25 @@ struct Reader<'r, 'a> {
 }
 
 impl Reader<'_, '_> {
+    /// Remarks on joints without a common root, and a skeleton that is none.
+    fn compare_roots(
+        &self,
+        item: &Item<'_>,
+        spans: &[(usize, std::ops::Range<usize>)],
+    ) -> Result<(), GltfError> {
+        let joints = item.indices("joints", "node", self.keys.len())?;
+        let document = self.accessors.document;
+        if joints.windows(2).any(|pair| spans[pair[0]].0 != spans[pair[1]].0) {
+            document.note(format!("{}: its joints have no common root", item.label()));
+        }
+        let skeleton = item.get("skeleton").and_then(serde_json::Value::as_u64);
+        let skeleton = skeleton.map(|node| spans.get(node as usize).map_or(0..0, |(_, span)| span.clone()));
+        if skeleton.is_some_and(|under| joints.iter().any(|joint| !under.contains(&spans[*joint].1.start))) {
+            document.note(format!("{}: its skeleton is no node above all its joints", item.label()));
+        }
+        Ok(())
+    }
+
     /// Reads a skin, all of whose joints must be in the scene.
     fn skin(&mut self, item: &Item<'_>) -> Result<Skin, GltfError> {
         let content = |problem: String| GltfError::Content { item: item.label(), problem };
@@ -120,7 +151,7 @@ impl Reader<'_, '_> {
             })
         };
         let keys: Vec<NodeKey> = joints.iter().map(key).collect::<Result<_, _>>()?;
-        let accessors = self.accessors.root.accessors.len();
+        let accessors = self.accessors.document.accessors.len();
         let Some(binds) = item.index("inverseBindMatrices", "accessor", accessors)? else {
             return Ok(Skin::new(item.name().unwrap_or_default(), keys, Vec::new()));
         };
@@ -149,6 +180,7 @@ impl Reader<'_, '_> {
         let samplers = item.objects("samplers")?;
         let mut tracks: HashMap<(usize, Property), Arc<Track>> = HashMap::new();
         let mut channels = Vec::new();
+        let mut moved = HashSet::new();
         for channel in item.objects("channels")? {
             let target = channel.inner("target")?.ok_or_else(|| channel.wrong("target", "is missing"))?;
             let path = target.get("path").and_then(|path| path.as_str()).unwrap_or_default();
@@ -175,6 +207,13 @@ impl Reader<'_, '_> {
                 self.warnings.add(format!("{}: weights of instanced meshes are not animated", item.label()));
                 continue;
             }
+            let document = self.accessors.document;
+            if !moved.insert((node, property)) {
+                document.note(format!("{}: it moves one property of node {node} twice", item.label()));
+            }
+            if property != Property::Weights && document.nodes[node].get("matrix").is_some() {
+                document.note(format!("{}: it moves node {node}, which has a matrix", item.label()));
+            }
             let track = match tracks.get(&(sampler, property)) {
                 Some(track) => Arc::clone(track),
                 None => {
@@ -196,7 +235,7 @@ impl Reader<'_, '_> {
         sampler: &Item<'_>,
         property: Property,
     ) -> Result<Track, GltfError> {
-        let accessors = self.accessors.root.accessors.len();
+        let accessors = self.accessors.document.accessors.len();
         let needed = |field: &str| {
             sampler.index(field, "accessor", accessors)?.ok_or_else(|| sampler.wrong(field, "is missing"))
         };
@@ -220,6 +259,20 @@ impl Reader<'_, '_> {
                 of.floats::<1>(output, "animation values", Integers::Normalized, budget)?.into_flattened()
             }
         };
+        let document = of.document;
+        if times.windows(2).any(|pair| pair[0] >= pair[1]) {
+            document.note(format!("{}: the times of sampler {index} do not grow", item.label()));
+        }
+        if !of.has_bounds(input) {
+            document.note(format!("{}: the times of sampler {index} have no min and max", item.label()));
+        }
+        let is_off = |q: &[f32]| (q.iter().map(|x| x * x).sum::<f32>() - 1.0).abs() > 0.01;
+        if property == Property::Rotation
+            && interpolation != Interpolation::CubicSpline
+            && values.chunks(4).any(is_off)
+        {
+            document.note(format!("{}: rotations of sampler {index} have not length 1", item.label()));
+        }
         Track::new(property, interpolation, times.into_flattened(), values).map_err(|error| {
             GltfError::Content {
                 item: format!("{}, sampler {index}", item.label()),

@@ -1,10 +1,7 @@
 //! What bends a primitive: joint influences of its vertices and its morph targets, sparse accessors included.
 
-use gltf::json;
-use json::mesh::Semantic;
-use json::validation::Checked;
-
 use glam::Vec3;
+use serde_json::{Map, Value};
 
 use super::GltfError;
 use super::accessors::{Accessors, Integers};
@@ -23,15 +20,15 @@ pub(super) struct BendStreams {
 impl BendStreams {
     /// The streams that `primitive` names.
     pub(super) fn of(
-        primitive: &json::mesh::Primitive,
+        primitive: &Map<String, Value>,
         mesh: usize,
         wrong: &dyn Fn(String) -> GltfError,
         warnings: &mut Warnings,
     ) -> Result<Self, GltfError> {
-        let stream = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).map(json::Index::value);
+        let stream = |semantic: String| attribute(primitive.get("attributes"), &semantic);
         let mut sets = Vec::new();
         for set in 0..2 {
-            match (stream(Semantic::Joints(set)), stream(Semantic::Weights(set))) {
+            match (stream(format!("JOINTS_{set}")), stream(format!("WEIGHTS_{set}"))) {
                 (Some(joints), Some(weights)) => sets.push((joints, weights)),
                 (None, None) => {}
                 (joints, _) => {
@@ -41,13 +38,13 @@ impl BendStreams {
                 }
             }
         }
-        if stream(Semantic::Joints(2)).is_some() {
+        if stream("JOINTS_2".into()).is_some() {
             warnings.add(format!("mesh {mesh}: joints beyond the eighth of a vertex are ignored"));
         }
-        let target = |target: &json::mesh::MorphTarget| {
-            (target.positions.map(|index| index.value()), target.normals.map(|index| index.value()))
-        };
-        let targets = primitive.targets.iter().flatten().map(target).collect();
+        let target =
+            |target: &Value| (attribute(Some(target), "POSITION"), attribute(Some(target), "NORMAL"));
+        let targets = primitive.get("targets").and_then(Value::as_array);
+        let targets = targets.into_iter().flatten().map(target).collect();
         Ok(Self { sets, targets })
     }
 
@@ -81,6 +78,22 @@ impl BendStreams {
                 for ((pairs, joints), weights) in pairs.iter_mut().zip(joints).zip(weights) {
                     pairs.extend(joints.into_iter().zip(weights));
                 }
+            }
+            let off =
+                |pairs: &&Vec<(u16, f32)>| (pairs.iter().map(|pair| pair.1).sum::<f32>() - 1.0).abs() > 0.01;
+            let twice = |pairs: &&Vec<(u16, f32)>| {
+                let moving = || pairs.iter().filter(|pair| pair.1 != 0.0).enumerate();
+                moving().any(|(i, a)| moving().any(|(j, b)| i < j && a.0 == b.0))
+            };
+            let (off, twice) = (pairs.iter().filter(off).count(), pairs.iter().filter(twice).count());
+            let name = super::names::shown(&data.name);
+            if off > 0 {
+                accessors
+                    .document
+                    .note(format!("mesh '{name}': joint weights of {off} vertices do not add up to 1"));
+            }
+            if twice > 0 {
+                accessors.document.note(format!("mesh '{name}': {twice} vertices name one joint twice"));
             }
             data.influences.resize(start, Influences::default());
             data.influences.extend(pairs.into_iter().map(Influences::new));
@@ -123,25 +136,29 @@ pub(super) fn pad(data: &mut MeshData, vertices: usize) {
     }
 }
 
+/// The accessor of an attribute, if there is one.
+pub(super) fn attribute(attributes: Option<&Value>, name: &str) -> Option<usize> {
+    Some(attributes?.get(name)?.as_u64()? as usize)
+}
+
 /// The morph targets of a mesh, still without vertices: names from `extras.targetNames`, weights from the mesh.
 pub(super) fn targets(
     mesh: usize,
-    declaration: &json::Mesh,
+    declaration: &Map<String, Value>,
     count: usize,
     budget: &mut Budget,
 ) -> Result<Vec<MorphTarget>, GltfError> {
     budget.charge_elements(count as u64 * 8)?;
-    let weights = declaration.weights.as_deref().unwrap_or_default();
+    let weights = declaration.get("weights").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
     if !weights.is_empty() && weights.len() != count {
         let problem = format!("has {} weights for {count} morph targets", weights.len());
         return Err(GltfError::Field { item: format!("mesh {mesh}"), field: "weights".into(), problem });
     }
-    let extras: Option<serde_json::Value> =
-        declaration.extras.as_ref().and_then(|extras| serde_json::from_str(extras.get()).ok());
-    let name = |index: usize| Some(extras.as_ref()?.get("targetNames")?.get(index)?.as_str()?.to_owned());
+    let name =
+        |index: usize| Some(declaration.get("extras")?.get("targetNames")?.get(index)?.as_str()?.to_owned());
     let target = |index: usize| MorphTarget {
         name: name(index).unwrap_or_default(),
-        weight: weights.get(index).copied().unwrap_or(0.0),
+        weight: weights.get(index).and_then(Value::as_f64).unwrap_or(0.0) as f32,
         ..MorphTarget::default()
     };
     Ok((0..count).map(target).collect())

@@ -1,21 +1,22 @@
-//! The JSON of a glTF file, read section by section and validated.
+//! The JSON of a glTF file, section by section, as plain values.
 //!
-//! The sections that describe binary data (accessors, buffers, meshes, textures, …) become the gltf crate's types
-//! and pass its validation; nodes, scenes, cameras and lights stay JSON values (see [`super::fields`]).
+//! Nothing is read before something needs it: files hold accessors, buffers and materials that nothing uses, and what
+//! those say is nobody's harm. What is used is checked first ([`Document::used`], by the tables of `shapes`).
 
-use std::collections::BTreeMap;
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 
-use gltf::json;
-use gltf::json::extras::RawValue;
-use gltf::json::validation::{Checked, Validate};
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use super::GltfError;
-use super::limits::{MAX_JSON_OBJECTS, Warnings};
+use super::limits::{MAX_JSON_OBJECTS, MAX_JSON_VALUES, Warnings};
+use super::{check, shapes};
 
 /// The extensions the loader understands; any other that a file requires is an error.
-const SUPPORTED_EXTENSIONS: [&str; 11] = [
+pub(super) const SUPPORTED_EXTENSIONS: [&str; 13] = [
     super::instancing::GPU_INSTANCING,
+    super::meshopt::MESHOPT,
+    "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_lights_shadows",
     "KHR_materials_emissive_strength",
@@ -28,26 +29,80 @@ const SUPPORTED_EXTENSIONS: [&str; 11] = [
     super::extension::SHADOW_NODE,
 ];
 
-/// The top-level sections, still as text.
-type Sections<'a> = BTreeMap<String, &'a RawValue>;
+/// The arrays of a document.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) enum Section {
+    Accessors,
+    Animations,
+    Buffers,
+    BufferViews,
+    Cameras,
+    Images,
+    Lights,
+    Materials,
+    Meshes,
+    Nodes,
+    Samplers,
+    Scenes,
+    Skins,
+    Textures,
+}
 
-/// Parses a top-level section; an absent one has its type's default value. A macro, since the trait bound it
-/// would need as a function belongs to a crate this one does not depend on.
-macro_rules! section {
-    ($sections:expr, $name:literal) => {
-        match $sections.get($name) {
-            Some(section) => serde_json::from_str(section.get())
-                .map_err(|error| unreadable(concat!("'", $name, "'"), &error))?,
-            None => Default::default(),
+impl Section {
+    pub(super) const ALL: [Self; 14] = [
+        Self::Accessors,
+        Self::Animations,
+        Self::Buffers,
+        Self::BufferViews,
+        Self::Cameras,
+        Self::Images,
+        Self::Lights,
+        Self::Materials,
+        Self::Meshes,
+        Self::Nodes,
+        Self::Samplers,
+        Self::Scenes,
+        Self::Skins,
+        Self::Textures,
+    ];
+
+    /// Its key in the document.
+    pub(super) fn key(self) -> &'static str {
+        match self {
+            Self::Accessors => "accessors",
+            Self::Animations => "animations",
+            Self::Buffers => "buffers",
+            Self::BufferViews => "bufferViews",
+            Self::Cameras => "cameras",
+            Self::Images => "images",
+            Self::Lights => "lights",
+            Self::Materials => "materials",
+            Self::Meshes => "meshes",
+            Self::Nodes => "nodes",
+            Self::Samplers => "samplers",
+            Self::Scenes => "scenes",
+            Self::Skins => "skins",
+            Self::Textures => "textures",
         }
-    };
+    }
+
+    /// What messages call several of its things.
+    pub(super) fn plural(self) -> &'static str {
+        if self == Self::BufferViews { "buffer views" } else { self.key() }
+    }
 }
 
 /// The parsed document.
 #[derive(Debug, Default)]
 pub(super) struct Document {
-    /// Accessors, buffers, views, images, materials, meshes, samplers and textures; nothing else.
-    pub(super) root: json::Root,
+    pub(super) accessors: Vec<Value>,
+    pub(super) buffers: Vec<Value>,
+    pub(super) buffer_views: Vec<Value>,
+    pub(super) images: Vec<Value>,
+    pub(super) materials: Vec<Value>,
+    pub(super) meshes: Vec<Value>,
+    pub(super) samplers: Vec<Value>,
+    pub(super) textures: Vec<Value>,
     pub(super) nodes: Vec<Value>,
     pub(super) skins: Vec<Value>,
     pub(super) animations: Vec<Value>,
@@ -55,172 +110,240 @@ pub(super) struct Document {
     pub(super) default_scene: Option<u64>,
     pub(super) cameras: Vec<Value>,
     pub(super) lights: Vec<Value>,
+    /// Sections that are there, but hold nothing; glTF wants those left out.
+    pub(super) empty: Vec<Section>,
+    /// What remains: `asset`, `extensions`, `extensionsUsed`, …
+    pub(super) rest: Map<String, Value>,
+    /// What was asked for by [`Document::used`], and what is odd about it.
+    used: RefCell<Used>,
+}
+
+/// What became known of a document while it was read.
+#[derive(Debug, Default)]
+struct Used {
+    /// The things that something needed.
+    things: BTreeSet<(Section, usize)>,
+    /// What is odd about them.
+    notes: Vec<String>,
 }
 
 impl Document {
-    /// The names of all scenes; empty ones for those without.
-    pub(super) fn scene_names(&self) -> Vec<String> {
-        let name = |scene: &Value| scene.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
-        self.scenes.iter().map(name).collect()
-    }
+    pub(super) fn parse(bytes: &[u8]) -> Result<Self, GltfError> {
+        check_size(bytes)?;
+        let mut rest: Map<String, Value> = serde_json::from_slice(bytes).map_err(|error| {
+            GltfError::Json { section: "the document".into(), problem: error.to_string() }
+        })?;
+        rest.values_mut().for_each(whole_numbers);
 
-    pub(super) fn parse(bytes: &[u8], warnings: &mut Warnings) -> Result<Self, GltfError> {
-        let objects = bytes.iter().filter(|byte| **byte == b'{').count() as u64;
-        if objects > MAX_JSON_OBJECTS {
-            let what = "objects of the JSON".into();
-            return Err(GltfError::TooLarge { what, count: objects, limit: MAX_JSON_OBJECTS });
-        }
-        let sections: Sections<'_> =
-            serde_json::from_slice(bytes).map_err(|error| unreadable("the document", &error))?;
-
-        let asset: Value = section!(sections, "asset");
+        let asset = rest.get("asset").unwrap_or(&Value::Null);
         let version = asset.get("version").and_then(Value::as_str).unwrap_or("(none)");
         let minimum = asset.get("minVersion").and_then(Value::as_str).unwrap_or("2.0");
         if !version.starts_with("2.") || minimum != "2.0" {
             let found = if version.starts_with("2.") { minimum } else { version };
             return Err(GltfError::Version { found: found.chars().take(20).collect() });
         }
-        let required: Vec<String> = section!(sections, "extensionsRequired");
-        if let Some(name) = required.iter().find(|name| !SUPPORTED_EXTENSIONS.contains(&name.as_str())) {
-            return Err(GltfError::UnsupportedExtension { name: name.clone(), fix: remedy(name) });
+        let required = rest.get("extensionsRequired").map_or(Ok(&[][..]), |value| {
+            let names = value.as_array().filter(|names| names.iter().all(Value::is_string));
+            names
+                .map(Vec::as_slice)
+                .ok_or_else(|| unreadable("extensionsRequired", "an array of names is needed"))
+        })?;
+        let unknown = |name: &&str| !SUPPORTED_EXTENSIONS.contains(name);
+        if let Some(name) = required.iter().filter_map(Value::as_str).find(unknown) {
+            return Err(GltfError::UnsupportedExtension { name: name.into(), fix: remedy(name) });
         }
 
-        let extensions: Value = section!(sections, "extensions");
-        let lights = match extensions.pointer("/KHR_lights_punctual/lights") {
-            Some(Value::Array(lights)) => lights.clone(),
+        let default_scene = rest.get("scene").filter(|scene| !scene.is_null());
+        let default_scene = default_scene
+            .map(|scene| scene.as_u64().ok_or_else(|| unreadable("scene", "the index of a scene is needed")));
+        let mut empty = Vec::new();
+        let mut section = |section: Section| match rest.remove(section.key()) {
+            None | Some(Value::Null) => Ok(Vec::new()),
+            Some(Value::Array(values)) if values.is_empty() => {
+                empty.push(section);
+                Ok(values)
+            }
+            Some(Value::Array(values)) => Ok(values),
+            Some(_) => Err(unreadable(section.key(), "an array is needed")),
+        };
+        let mut document = Self {
+            accessors: section(Section::Accessors)?,
+            buffers: section(Section::Buffers)?,
+            buffer_views: section(Section::BufferViews)?,
+            images: section(Section::Images)?,
+            materials: section(Section::Materials)?,
+            meshes: section(Section::Meshes)?,
+            samplers: section(Section::Samplers)?,
+            textures: section(Section::Textures)?,
+            nodes: section(Section::Nodes)?,
+            skins: section(Section::Skins)?,
+            animations: section(Section::Animations)?,
+            scenes: section(Section::Scenes)?,
+            cameras: section(Section::Cameras)?,
+            default_scene: None,
+            ..Self::default()
+        };
+        document.empty = empty;
+        document.rest = rest;
+        document.default_scene = default_scene.transpose()?;
+        let punctual = document.rest.get_mut("extensions").and_then(|all| all.get_mut("KHR_lights_punctual"));
+        document.lights = match punctual.and_then(|punctual| punctual.get_mut("lights")).map(Value::take) {
+            None | Some(Value::Null) => Vec::new(),
+            Some(Value::Array(lights)) => {
+                document.empty.extend(lights.is_empty().then_some(Section::Lights));
+                lights
+            }
             Some(_) => {
                 let path = "extensions.KHR_lights_punctual.lights".into();
                 return Err(GltfError::Invalid { path, problem: "an array of lights is needed".into() });
             }
-            None => Vec::new(),
         };
-        let mut root = json::Root {
-            accessors: section!(sections, "accessors"),
-            buffers: section!(sections, "buffers"),
-            buffer_views: section!(sections, "bufferViews"),
-            images: section!(sections, "images"),
-            materials: materials(&sections)?,
-            meshes: section!(sections, "meshes"),
-            samplers: section!(sections, "samplers"),
-            textures: section!(sections, "textures"),
-            ..json::Root::default()
+        Ok(document)
+    }
+
+    /// The things of one section.
+    pub(super) fn section(&self, section: Section) -> &[Value] {
+        match section {
+            Section::Accessors => &self.accessors,
+            Section::Animations => &self.animations,
+            Section::Buffers => &self.buffers,
+            Section::BufferViews => &self.buffer_views,
+            Section::Cameras => &self.cameras,
+            Section::Images => &self.images,
+            Section::Lights => &self.lights,
+            Section::Materials => &self.materials,
+            Section::Meshes => &self.meshes,
+            Section::Nodes => &self.nodes,
+            Section::Samplers => &self.samplers,
+            Section::Scenes => &self.scenes,
+            Section::Skins => &self.skins,
+            Section::Textures => &self.textures,
+        }
+    }
+
+    /// The thing at `index`, its fields checked: those there have the types, and name the things, that they should.
+    ///
+    /// Fields that are wrong but harmless are noted.
+    pub(super) fn used(&self, section: Section, index: usize) -> Result<&Map<String, Value>, GltfError> {
+        let values = self.section(section);
+        let path = || format!("{}[{index}]", section.key());
+        let Some(value) = values.get(index) else {
+            return Err(GltfError::Invalid {
+                path: path(),
+                problem: check::out_of_bounds(self, section, index as u64),
+            });
         };
-        relax(&mut root, warnings);
-        validate(&root, &sections)?;
-        Ok(Self {
-            root,
-            nodes: section!(sections, "nodes"),
-            skins: section!(sections, "skins"),
-            animations: section!(sections, "animations"),
-            scenes: section!(sections, "scenes"),
-            default_scene: section!(sections, "scene"),
-            cameras: section!(sections, "cameras"),
-            lights,
-        })
+        let mut used = self.used.borrow_mut();
+        if used.things.insert((section, index)) {
+            for finding in check::findings(self, section, index) {
+                if finding.harmless {
+                    used.notes.push(finding.to_string());
+                } else {
+                    return Err(finding.into());
+                }
+            }
+        }
+        value
+            .as_object()
+            .ok_or_else(|| GltfError::Invalid { path: path(), problem: "must be a JSON object".into() })
+    }
+
+    /// Adds a remark: something is not as it should be, but does no harm.
+    pub(super) fn note(&self, text: String) {
+        let notes = &mut self.used.borrow_mut().notes;
+        if notes.len() < 1000 {
+            notes.push(text);
+        }
+    }
+
+    /// Remarks on all that is wrong in the document, but did no harm; what is left out goes to the warnings.
+    pub(super) fn finish(&self, warnings: &mut Warnings) -> Warnings {
+        let mut remarks = Warnings::default();
+        let Used { things, notes } = &*self.used.borrow();
+        notes.iter().for_each(|text| remarks.add(text.clone()));
+        for section in Section::ALL {
+            for index in 0..self.section(section).len() {
+                if remarks.is_full() {
+                    break;
+                }
+                if !things.contains(&(section, index)) {
+                    check::findings(self, section, index)
+                        .iter()
+                        .for_each(|finding| remarks.add(finding.to_string()));
+                }
+            }
+        }
+        shapes::check_root(self, warnings, &mut remarks);
+        super::usage::check(self, &mut remarks);
+        remarks
+    }
+
+    /// Whether the file cannot be understood without an extension, as it says itself.
+    pub(super) fn requires(&self, extension: &str) -> bool {
+        let required = self.rest.get("extensionsRequired").and_then(Value::as_array);
+        required.is_some_and(|names| names.iter().any(|name| name == extension))
+    }
+
+    /// The names of all scenes; empty ones for those without.
+    pub(super) fn scene_names(&self) -> Vec<String> {
+        let name = |scene: &Value| scene.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
+        self.scenes.iter().map(name).collect()
     }
 }
 
-/// The materials, by way of plain values.
-fn materials(sections: &Sections<'_>) -> Result<Vec<json::Material>, GltfError> {
-    let mut materials: Vec<Value> = section!(sections, "materials");
-    materials.iter_mut().for_each(strip_extras);
-    serde_json::from_value(materials.into()).map_err(|error| unreadable("'materials'", &error))
-}
-
-fn unreadable(section: &str, error: &serde_json::Error) -> GltfError {
-    GltfError::Json { section: section.into(), problem: error.to_string() }
-}
-
-/// Removes every `extras`, which the gltf crate cannot read within extensions of materials.
-fn strip_extras(value: &mut Value) {
-    match value {
-        Value::Object(object) => {
-            object.remove("extras");
-            object.values_mut().for_each(strip_extras);
+/// Refuses JSON whose parsed form would take memory out of all proportion.
+fn check_size(bytes: &[u8]) -> Result<(), GltfError> {
+    let (mut objects, mut values) = (0, 0);
+    for byte in bytes {
+        objects += u64::from(*byte == b'{');
+        values += u64::from(matches!(byte, b'{' | b'[' | b','));
+    }
+    for (what, count, limit) in
+        [("objects of the JSON", objects, MAX_JSON_OBJECTS), ("values of the JSON", values, MAX_JSON_VALUES)]
+    {
+        if count > limit {
+            return Err(GltfError::TooLarge { what: what.into(), count, limit });
         }
-        Value::Array(values) => values.iter_mut().for_each(strip_extras),
+    }
+    Ok(())
+}
+
+/// The largest whole number that every reader of JSON keeps exactly.
+const MAX_EXACT: f64 = 9_007_199_254_740_992.0;
+
+/// Numbers without a fraction become integers: `1.0` and `1e0` are whole numbers in glTF (2.0, 2.7), and what is a
+/// number of any kind reads them alike.
+fn whole_numbers(value: &mut Value) {
+    match value {
+        Value::Number(number) if number.is_f64() => {
+            if let Some(float) = number.as_f64()
+                && float.fract() == 0.0
+                && float.abs() <= MAX_EXACT
+                && !(float == 0.0 && float.is_sign_negative())
+            {
+                *number = if float < 0.0 { (float as i64).into() } else { (float as u64).into() };
+            }
+        }
+        // The parser has a limit to how deep values lie within one another.
+        Value::Array(values) => values.iter_mut().for_each(whole_numbers),
+        Value::Object(object) => object.values_mut().for_each(whole_numbers),
         _ => {}
     }
 }
 
-/// Takes out of the document what the gltf crate's validation is stricter or slower about than need be.
-fn relax(root: &mut json::Root, warnings: &mut Warnings) {
-    // Bounds are not used, only checked for presence, by copying them for each primitive.
-    for accessor in &mut root.accessors {
-        let bounds = Value::from(vec![0.0; 3]);
-        (accessor.min, accessor.max) = (Some(bounds.clone()), Some(bounds));
-    }
-    for (mesh, declaration) in root.meshes.iter_mut().enumerate() {
-        for primitive in &mut declaration.primitives {
-            if primitive.attributes.remove(&Checked::Invalid).is_some() {
-                warnings.add(format!("mesh {mesh}: an attribute of unknown name is ignored"));
-            }
-        }
-    }
-}
-
-/// The gltf crate's validation: every index in range, every enumeration known, what is required there.
-fn validate(root: &json::Root, sections: &Sections<'_>) -> Result<(), GltfError> {
-    // Its check of primitives takes the position accessor for granted, so that index is checked first.
-    for (mesh, declaration) in root.meshes.iter().enumerate() {
-        for primitive in &declaration.primitives {
-            let position = primitive.attributes.get(&Checked::Valid(json::mesh::Semantic::Positions));
-            if let Some(index) = position.map(json::Index::value)
-                && index >= root.accessors.len()
-            {
-                return Err(GltfError::IndexOutOfRange {
-                    item: format!("mesh {mesh}"),
-                    field: "POSITION".into(),
-                    kind: "accessor",
-                    index: index as u64,
-                    count: root.accessors.len(),
-                });
-            }
-        }
-    }
-    let mut first = None;
-    root.validate(root, json::Path::new, &mut |path, error| {
-        if first.is_none() {
-            let path = path().0;
-            let out_of_range = matches!(error, json::validation::Error::IndexOutOfBounds);
-            let said = out_of_range.then(|| out_of_range_at(&path, root, sections)).flatten();
-            let problem = said.unwrap_or_else(|| error.to_string().to_lowercase());
-            first = Some(GltfError::Invalid { path, problem });
-        }
-    });
-    first.map_or(Ok(()), Err)
-}
-
-/// What is wrong with the index at `path` (as in `meshes[0].primitives[2].indices`): which it is, and how many things
-/// of its kind there are.
-fn out_of_range_at(path: &str, root: &json::Root, sections: &Sections<'_>) -> Option<String> {
-    let steps: Vec<&str> = path.split(['.', '[', ']', '"']).filter(|step| !step.is_empty()).collect();
-    let (section, rest) = steps.split_first()?;
-    let value: Value = serde_json::from_str(sections.get(*section)?.get()).ok()?;
-    let index = value.pointer(&format!("/{}", rest.join("/")))?.as_u64()?;
-    let inside_primitive = steps.contains(&"primitives");
-    let (kind, count) = match *rest.last()? {
-        "bufferView" => ("buffer views", root.buffer_views.len()),
-        "buffer" => ("buffers", root.buffers.len()),
-        "material" => ("materials", root.materials.len()),
-        "sampler" => ("samplers", root.samplers.len()),
-        "source" => ("images", root.images.len()),
-        "index" => ("textures", root.textures.len()),
-        _ if inside_primitive => ("accessors", root.accessors.len()),
-        _ => return None,
-    };
-    Some(format!("index {index} is out of bounds: the file has {count} {kind} (counted from 0)"))
+fn unreadable(section: &str, problem: &str) -> GltfError {
+    GltfError::Json { section: format!("'{section}'"), problem: problem.into() }
 }
 
 /// What to do about a required extension that is not supported.
-fn remedy(extension: &str) -> String {
+pub(super) fn remedy(extension: &str) -> String {
     match extension {
-        "KHR_draco_mesh_compression" => "re-export without Draco compression".into(),
-        "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
-            "re-export without meshopt compression".into()
+        "KHR_draco_mesh_compression" => {
+            "re-export without Draco compression (gltf-transform and Blender decode it)".into()
         }
-        "KHR_texture_basisu" | "EXT_texture_webp" | "EXT_texture_avif" | "MSFT_texture_dds" => {
-            "re-export with PNG or JPEG textures".into()
+        "KHR_meshopt_compression" => "re-export with EXT_meshopt_compression, or without either".into(),
+        "KHR_texture_basisu" | "EXT_texture_avif" | "MSFT_texture_dds" => {
+            "re-export with PNG, JPEG or WebP textures".into()
         }
         "KHR_materials_pbrSpecularGlossiness" => "convert its materials to metallic-roughness".into(),
         _ => format!("re-export without it (supported are {})", SUPPORTED_EXTENSIONS.join(", ")),

@@ -30,6 +30,11 @@ pub enum GltfError {
     IndexOutOfRange { item: String, field: String, kind: &'static str, index: u64, count: usize },
     #[error("{what}: {count} are more than the {limit} that are accepted")]
     TooLarge { what: String, count: u64, limit: u64 },
+    #[error(
+        "{what} would take {} MiB of memory, of which {} MiB may be taken (--memory, or LoadOptions::memory_budget, allows more)",
+        bytes.div_ceil(1 << 20), limit >> 20
+    )]
+    Memory { what: String, bytes: u64, limit: u64 },
     #[error("{item}: URI '{uri}' {problem} (data URIs and paths relative to the glTF file are accepted)")]
     Uri { item: String, uri: String, problem: String },
     #[error(
@@ -50,9 +55,15 @@ pub enum GltfError {
         "mesh {mesh}, primitive {primitive}: index {index} at place {place} is out of range ({vertices} vertices)"
     )]
     VertexIndex { mesh: usize, primitive: usize, place: usize, index: u32, vertices: usize },
-    #[error("glTF mesh {mesh}: {source}")]
+    #[error("{source}")]
     Mesh { mesh: usize, source: MeshError },
-    #[error("{image}: {problem} (PNG and JPEG are accepted)")]
+    #[error("buffer view {view} (compressed): {problem}")]
+    Compressed { view: usize, problem: String },
+    #[error(
+        "{item}: '{path}' lies outside the scene's folder (files in or below it are accepted; all are with --outside-files, or LoadOptions::outside_files)"
+    )]
+    OutsideFile { item: String, path: String },
+    #[error("{image}: {problem} (PNG and JPEG are accepted, and WebP)")]
     Image { image: String, problem: String },
     #[error("node {node} is a child of node {first} and of node {second} (at most one parent is accepted)")]
     NodeParents { node: usize, first: usize, second: usize },

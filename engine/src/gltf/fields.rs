@@ -1,11 +1,12 @@
 //! Typed access to the fields of one JSON object, with errors that name object and field.
 //!
-//! Nodes, cameras and lights are read from plain JSON values rather than through the gltf crate: it keeps f32
-//! where the engine keeps f64 (transforms, angles), and it cannot read `extras` within lights.
+//! Nodes, cameras, lights, skins and animations are read through it, numbers as f64: transforms and angles keep all
+//! their digits.
 
 use serde_json::{Map, Value};
 
 use super::GltfError;
+use super::names::shown;
 
 /// One object of an array of the document: node 3, light 0, …
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +27,7 @@ impl<'v> Item<'v> {
     /// "node 3 'wheel'".
     pub(super) fn label(&self) -> String {
         match self.name {
-            Some(name) => format!("{} {} '{name}'", self.kind, self.index),
+            Some(name) => format!("{} {} '{}'", self.kind, self.index, shown(name)),
             None => format!("{} {}", self.kind, self.index),
         }
     }

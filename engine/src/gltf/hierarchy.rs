@@ -40,6 +40,23 @@ impl Hierarchy {
         self.parents[node]
     }
 
+    /// For every node the root above it, and the places in depth-first order where what lies under it begins and ends.
+    pub(super) fn spans(&self) -> Vec<(usize, std::ops::Range<usize>)> {
+        let roots = (0..self.parents.len()).filter(|node| self.parents[*node].is_none()).collect();
+        let order = self.preorder(roots);
+        let mut spans = vec![(0, 0..0); self.parents.len()];
+        for (place, node) in order.iter().enumerate() {
+            let root = self.parents[*node].map_or(*node, |parent| spans[parent].0);
+            spans[*node] = (root, place..place + 1);
+        }
+        for node in order.iter().rev() {
+            if let Some(parent) = self.parents[*node] {
+                spans[parent].1.end = spans[parent].1.end.max(spans[*node].1.end);
+            }
+        }
+        spans
+    }
+
     /// `roots` and everything under them, parents first.
     pub(super) fn preorder(&self, roots: Vec<usize>) -> Vec<usize> {
         let mut order = Vec::new();

@@ -29,11 +29,17 @@ impl Builder<'_> {
             self.warnings.add(format!("{}: instances of a skinned mesh are ignored", node.label()));
             return Ok(false);
         }
-        let Some(places) = read(node, &self.accessors, &mut self.budget)? else { return Ok(false) };
+        let Some(places) = read(node, &self.accessors, &mut self.budget)? else {
+            self.warnings.add(format!(
+                "{}: its instances have no TRANSLATION, ROTATION or SCALE; the mesh is shown once",
+                node.label()
+            ));
+            return Ok(false);
+        };
         if let Some(added) = self.scene.node_mut(key) {
             added.content = Content::Group;
         }
-        let name = node.name().unwrap_or_default();
+        let name = node.name().map_or_else(|| node.label(), str::to_owned);
         for (index, place) in places.into_iter().enumerate() {
             let name = format!("{name}[{index}]");
             check_reach(&place.matrix())
@@ -44,7 +50,8 @@ impl Builder<'_> {
     }
 }
 
-/// The places of a node's instances relative to it; `None` for a node without the extension.
+/// The places of a node's instances relative to it; `None` where the extension names none, but attributes of a program
+/// of its own.
 fn read(
     node: &Item<'_>,
     accessors: &Accessors<'_>,
@@ -55,6 +62,9 @@ fn read(
         |problem: String| GltfError::Content { item: format!("the instances of {}", node.label()), problem };
     let attributes = value.get("attributes").filter(|attributes| attributes.is_object());
     let attributes = attributes.ok_or_else(|| wrong("'attributes' must be a JSON object".into()))?;
+    if attributes.as_object().is_some_and(serde_json::Map::is_empty) {
+        return Err(wrong("TRANSLATION, ROTATION or SCALE is needed".into()));
+    }
     let named = |name: &str| {
         let Some(value) = attributes.get(name).filter(|value| !value.is_null()) else { return Ok(None) };
         let index = value.as_u64().and_then(|index| usize::try_from(index).ok());
@@ -75,8 +85,7 @@ fn read(
         rotations.as_ref().map(Vec::len),
         scales.as_ref().map(Vec::len),
     ];
-    let count = counts.into_iter().flatten().next();
-    let count = count.ok_or_else(|| wrong("TRANSLATION, ROTATION or SCALE is needed".into()))?;
+    let Some(count) = counts.into_iter().flatten().next() else { return Ok(None) };
     if let Some(other) = counts.into_iter().flatten().find(|other| *other != count) {
         return Err(wrong(format!("their attributes have {count} and {other} entries; as many are needed")));
     }

@@ -15,27 +15,44 @@ const MAX_INSTANCES: u64 = 1 << 18;
 #[derive(Clone, Debug)]
 pub(super) struct Budget {
     bytes: u64,
-    elements: u64,
-    texels: u64,
+    memory_limit: u64,
+    memory: u64,
+    image_memory: u64,
     instances: u64,
 }
 
 /// The most objects (counted as opening braces) the JSON may have; the parser spends some hundred bytes on each.
 pub(super) const MAX_JSON_OBJECTS: u64 = 1 << 22;
+/// The most values (counted as commas and opening brackets) the JSON may have; the parser spends 32 bytes on each.
+pub(super) const MAX_JSON_VALUES: u64 = 1 << 25;
 /// The most bytes of buffers and encoded images read for one file.
 const MAX_BYTES: u64 = 4 << 30;
-/// The most accessor elements (vertices, indices) read for one file; each takes at most 16 bytes.
-const MAX_ELEMENTS: u64 = 1 << 28;
-/// The most texels of all decoded images; each takes 4 bytes.
-const MAX_TEXELS: u64 = 1 << 28;
+/// The most bytes that meshes and images take, unless a caller says otherwise; images take half of it at most.
+const DEFAULT_MEMORY: u64 = 2 << 30;
+/// What an accessor's element (a vertex, an index) takes at most.
+const ELEMENT_BYTES: u64 = 16;
 
-impl Default for Budget {
-    fn default() -> Self {
-        Self { bytes: MAX_BYTES, elements: MAX_ELEMENTS, texels: MAX_TEXELS, instances: MAX_INSTANCES }
+impl Budget {
+    /// A budget for a load that may take so many bytes for meshes and images.
+    pub(super) fn new(memory: Option<u64>) -> Self {
+        let memory_limit = memory.unwrap_or(DEFAULT_MEMORY);
+        Self {
+            bytes: MAX_BYTES,
+            memory_limit,
+            memory: memory_limit,
+            image_memory: memory_limit / 2,
+            instances: MAX_INSTANCES,
+        }
     }
 }
 
-fn charge(left: &mut u64, limit: u64, count: u64, what: &str) -> Result<(), GltfError> {
+impl Default for Budget {
+    fn default() -> Self {
+        Self::new(None)
+    }
+}
+
+fn charge(left: &mut u64, limit: u64, count: u64, what: impl FnOnce() -> String) -> Result<(), GltfError> {
     match left.checked_sub(count) {
         Some(rest) => {
             *left = rest;
@@ -43,26 +60,51 @@ fn charge(left: &mut u64, limit: u64, count: u64, what: &str) -> Result<(), Gltf
         }
         None => {
             let count = (limit - *left).saturating_add(count);
-            Err(GltfError::TooLarge { what: what.into(), count, limit })
+            Err(GltfError::TooLarge { what: what(), count, limit })
         }
     }
 }
 
 impl Budget {
     pub(super) fn charge_bytes(&mut self, count: u64) -> Result<(), GltfError> {
-        charge(&mut self.bytes, MAX_BYTES, count, "bytes of buffers and images")
+        charge(&mut self.bytes, MAX_BYTES, count, || "bytes of buffers and images".into())
     }
 
     pub(super) fn charge_elements(&mut self, count: u64) -> Result<(), GltfError> {
-        charge(&mut self.elements, MAX_ELEMENTS, count, "vertices and indices of the whole file")
+        self.charge_memory(count.saturating_mul(ELEMENT_BYTES))
+    }
+
+    /// Memory for meshes and what they are made from.
+    pub(super) fn charge_memory(&mut self, bytes: u64) -> Result<(), GltfError> {
+        take(&mut self.memory, self.memory_limit, bytes, "what the file's meshes and images hold")
     }
 
     pub(super) fn charge_instances(&mut self, count: u64) -> Result<(), GltfError> {
-        charge(&mut self.instances, MAX_INSTANCES, count, "instances of the whole file")
+        charge(&mut self.instances, MAX_INSTANCES, count, || "instances of the whole file".into())
     }
 
-    pub(super) fn charge_texels(&mut self, count: u64) -> Result<(), GltfError> {
-        charge(&mut self.texels, MAX_TEXELS, count, "texels of all images")
+    /// Charges an image that stays as `kept` bytes and takes `passing` more while it is decoded.
+    pub(super) fn charge_image(&mut self, image: &str, kept: u64, passing: u64) -> Result<(), GltfError> {
+        let limit = self.memory_limit / 2;
+        let what = format!("{image}, with the images before it,");
+        let mut tried = self.image_memory;
+        take(&mut tried, limit, kept.saturating_add(passing), &what)?;
+        take(&mut self.image_memory, limit, kept, &what)?;
+        self.charge_memory(kept)
+    }
+}
+
+/// [`charge`] of memory.
+fn take(left: &mut u64, limit: u64, bytes: u64, what: &str) -> Result<(), GltfError> {
+    match left.checked_sub(bytes) {
+        Some(rest) => {
+            *left = rest;
+            Ok(())
+        }
+        None => {
+            let bytes = (limit - *left).saturating_add(bytes);
+            Err(GltfError::Memory { what: what.into(), bytes, limit })
+        }
     }
 }
 
@@ -79,12 +121,16 @@ pub(super) struct Warnings {
 impl Warnings {
     pub(super) fn add(&mut self, text: impl Into<String>) {
         let text = text.into();
-        if self.texts.len() < MAX_WARNINGS && self.seen.insert(text.clone()) {
+        if !self.is_full() && self.seen.insert(text.clone()) {
             self.texts.push(text);
-            if self.texts.len() == MAX_WARNINGS {
+            if self.is_full() {
                 self.texts.push("further warnings are left out".into());
             }
         }
+    }
+
+    pub(super) fn is_full(&self) -> bool {
+        self.texts.len() >= MAX_WARNINGS
     }
 
     pub(super) fn into_texts(self) -> Vec<String> {

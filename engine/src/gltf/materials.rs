@@ -1,14 +1,12 @@
 //! Metallic-roughness materials with their extensions, and the textures they wear.
 
 use glam::{Vec2, Vec3, Vec4};
-use gltf::json;
-use json::extensions::texture::TextureTransform;
-use json::texture::{MagFilter, WrappingMode};
-use json::validation::Checked;
 use serde_json::{Map, Value};
 
 use super::GltfError;
+use super::document::{Document, Section};
 use super::images::Images;
+use super::names::shown;
 use crate::scene::{AlphaMode, Material, TexCoord, TextureRef, UvTransform, Wrap};
 
 /// The material of a primitive that names none: the default one of the glTF specification.
@@ -23,82 +21,87 @@ pub(super) fn gltf_default() -> Material {
     }
 }
 
-/// A texture's index and how its coordinates are transformed, whichever kind of slot it is in.
-struct Slot<'a> {
-    texture: usize,
-    tex_coord: u32,
-    transform: Option<&'a TextureTransform>,
+/// A checked object of the document; an absent one has no fields.
+#[derive(Clone, Copy)]
+struct Fields<'v>(Option<&'v Map<String, Value>>);
+
+impl<'v> Fields<'v> {
+    fn get(self, field: &str) -> Option<&'v Value> {
+        self.0?.get(field).filter(|value| !value.is_null())
+    }
+
+    fn object(self, field: &str) -> Self {
+        Self(self.get(field).and_then(Value::as_object))
+    }
+
+    fn number(self, field: &str, otherwise: f32) -> f32 {
+        self.get(field).and_then(Value::as_f64).map_or(otherwise, |number| number as f32)
+    }
+
+    fn numbers<const N: usize>(self, field: &str, otherwise: [f32; N]) -> [f32; N] {
+        let Some(values) = self.get(field).and_then(Value::as_array) else { return otherwise };
+        std::array::from_fn(|i| {
+            values.get(i).and_then(Value::as_f64).map_or(otherwise[i], |number| number as f32)
+        })
+    }
+
+    fn word(self, field: &str) -> Option<&'v str> {
+        self.get(field).and_then(Value::as_str)
+    }
+
+    fn whole(self, field: &str) -> Option<u64> {
+        self.get(field).and_then(Value::as_u64)
+    }
 }
 
 /// Reads material `index` of the document, loading the images it wears.
-pub(super) fn read(root: &json::Root, index: usize, images: &mut Images<'_>) -> Result<Material, GltfError> {
-    let Some(material) = root.materials.get(index) else { return Ok(gltf_default()) };
-    let pbr = &material.pbr_metallic_roughness;
-    let name = material.name.clone().unwrap_or_else(|| format!("material{index}"));
-    let extensions = material.extensions.as_ref();
-    let strength =
-        extensions.and_then(|e| e.emissive_strength.as_ref()).map_or(1.0, |e| e.emissive_strength.0);
-    let transmission = extensions.and_then(|e| e.transmission.as_ref());
-    if transmission.is_some_and(|transmission| transmission.transmission_texture.is_some()) {
-        images.warnings.add(format!("material '{name}': its transmission texture is ignored"));
+pub(super) fn read(
+    document: &Document,
+    index: usize,
+    images: &mut Images<'_, '_>,
+) -> Result<Material, GltfError> {
+    let material = Fields(Some(document.used(Section::Materials, index)?));
+    let pbr = material.object("pbrMetallicRoughness");
+    let name = material.word("name").map_or_else(|| format!("material{index}"), str::to_owned);
+    let label = format!("material {index} '{}'", shown(&name));
+    let extensions = material.object("extensions");
+    let strength = extensions.object("KHR_materials_emissive_strength").number("emissiveStrength", 1.0);
+    let transmission = extensions.object("KHR_materials_transmission");
+    if transmission.get("transmissionTexture").is_some() {
+        images.warnings.add(format!("{label}: its transmission texture is ignored"));
     }
-    let Checked::Valid(alpha_mode) = material.alpha_mode else {
-        let path = format!("materials[{index}].alphaMode");
-        return Err(GltfError::Invalid { path, problem: "OPAQUE, MASK and BLEND are accepted".into() });
-    };
-
-    let mut worn = |slot: Option<Slot<'_>>| match slot {
-        Some(slot) => texture(root, &name, &slot, images),
+    let (normal, occlusion) = (material.object("normalTexture"), material.object("occlusionTexture"));
+    let mut worn = |slot: Fields<'_>| match slot.0 {
+        Some(_) => texture(document, &label, slot, images),
         None => Ok(None),
     };
-    let base_color_texture = worn(pbr.base_color_texture.as_ref().map(slot_of))?;
-    let metallic_roughness_texture = worn(pbr.metallic_roughness_texture.as_ref().map(slot_of))?;
-    let emissive_texture = worn(material.emissive_texture.as_ref().map(slot_of))?;
-    // The gltf crate knows texture transforms of the three slots above only.
-    let normal = material.normal_texture.as_ref();
-    let normal_transform = transform_in(normal.and_then(|n| Some(&n.extensions.as_ref()?.others)))?;
-    let normal_texture = worn(normal.map(|normal| Slot {
-        texture: normal.index.value(),
-        tex_coord: normal.tex_coord,
-        transform: normal_transform.as_ref(),
-    }))?;
-    let occlusion = material.occlusion_texture.as_ref();
-    let occlusion_transform = transform_in(occlusion.and_then(|o| Some(&o.extensions.as_ref()?.others)))?;
-    let occlusion_texture = worn(occlusion.map(|occlusion| Slot {
-        texture: occlusion.index.value(),
-        tex_coord: occlusion.tex_coord,
-        transform: occlusion_transform.as_ref(),
-    }))?;
-
     let read = Material {
-        base_color: Vec4::from(pbr.base_color_factor.0),
-        base_color_texture,
-        metallic: pbr.metallic_factor.0,
-        roughness: pbr.roughness_factor.0,
-        metallic_roughness_texture,
-        emissive: Vec3::from(material.emissive_factor.0) * strength,
-        emissive_texture,
-        normal_texture: normal_texture.zip(normal.map(|normal| normal.scale)),
-        occlusion_texture: occlusion_texture.zip(occlusion.map(|occlusion| occlusion.strength.0)),
-        alpha_mode: match alpha_mode {
-            json::material::AlphaMode::Opaque => AlphaMode::Opaque,
-            json::material::AlphaMode::Mask => {
-                AlphaMode::Mask { cutoff: material.alpha_cutoff.unwrap_or_default().0 }
-            }
-            json::material::AlphaMode::Blend => AlphaMode::Blend,
+        base_color: Vec4::from(pbr.numbers("baseColorFactor", [1.0; 4])),
+        base_color_texture: worn(pbr.object("baseColorTexture"))?,
+        metallic: pbr.number("metallicFactor", 1.0),
+        roughness: pbr.number("roughnessFactor", 1.0),
+        metallic_roughness_texture: worn(pbr.object("metallicRoughnessTexture"))?,
+        emissive: Vec3::from(material.numbers("emissiveFactor", [0.0; 3])) * strength,
+        emissive_texture: worn(material.object("emissiveTexture"))?,
+        normal_texture: worn(normal)?.map(|texture| (texture, normal.number("scale", 1.0))),
+        occlusion_texture: worn(occlusion)?.map(|texture| (texture, occlusion.number("strength", 1.0))),
+        alpha_mode: match material.word("alphaMode") {
+            Some("MASK") => AlphaMode::Mask { cutoff: material.number("alphaCutoff", 0.5) },
+            Some("BLEND") => AlphaMode::Blend,
+            _ => AlphaMode::Opaque,
         },
-        double_sided: material.double_sided,
-        unlit: extensions.is_some_and(|extensions| extensions.unlit.is_some()),
-        transmission: transmission.map_or(0.0, |transmission| transmission.transmission_factor.0),
+        double_sided: material.get("doubleSided") == Some(&Value::Bool(true)),
+        unlit: extensions.get("KHR_materials_unlit").is_some(),
+        transmission: transmission.number("transmissionFactor", 0.0),
         surface: None,
         name,
     };
-    check_finite(index, &read)?;
+    check_finite(&label, &read)?;
     Ok(read)
 }
 
 /// JSON numbers beyond f32 become infinite; shading would spread them over the picture.
-fn check_finite(index: usize, material: &Material) -> Result<(), GltfError> {
+fn check_finite(label: &str, material: &Material) -> Result<(), GltfError> {
     let cutoff = match material.alpha_mode {
         AlphaMode::Mask { cutoff } => cutoff,
         _ => 0.0,
@@ -116,64 +119,64 @@ fn check_finite(index: usize, material: &Material) -> Result<(), GltfError> {
     if finite && material.base_color.is_finite() && material.emissive.is_finite() {
         return Ok(());
     }
-    let item = format!("material {index} '{}'", material.name);
-    Err(GltfError::Content { item, problem: "its factors must be finite 32-bit floats".into() })
+    Err(GltfError::Content { item: label.into(), problem: "its factors must be finite 32-bit floats".into() })
 }
 
-fn slot_of(info: &json::texture::Info) -> Slot<'_> {
-    let transform = info.extensions.as_ref().and_then(|extensions| extensions.texture_transform.as_ref());
-    Slot { texture: info.index.value(), tex_coord: info.tex_coord, transform }
-}
-
-/// The texture transform among the extensions of a normal or occlusion texture.
-fn transform_in(others: Option<&Map<String, Value>>) -> Result<Option<TextureTransform>, GltfError> {
-    let Some(value) = others.and_then(|others| others.get("KHR_texture_transform")) else { return Ok(None) };
-    serde_json::from_value(value.clone()).map(Some).map_err(|error| {
-        let section = "'KHR_texture_transform' of a material".into();
-        GltfError::Json { section, problem: error.to_string() }
-    })
-}
-
-/// The texture in a slot; none, with a warning, where it wants other texture coordinates than the first two.
+/// The texture in a slot; none, with a warning, where it wants other texture coordinates than the first two, or where
+/// no image that can be read is behind it.
 fn texture(
-    root: &json::Root,
+    document: &Document,
     material: &str,
-    slot: &Slot<'_>,
-    images: &mut Images<'_>,
+    slot: Fields<'_>,
+    images: &mut Images<'_, '_>,
 ) -> Result<Option<TextureRef>, GltfError> {
-    let tex_coord = slot.transform.and_then(|transform| transform.tex_coord).unwrap_or(slot.tex_coord);
-    let tex_coord = match tex_coord {
+    let moved = slot.object("extensions").object("KHR_texture_transform");
+    let tex_coord = match moved.whole("texCoord").or(slot.whole("texCoord")).unwrap_or(0) {
         0 => TexCoord::First,
         1 => TexCoord::Second,
         more => {
             images.warnings.add(format!(
-                "material '{material}': a texture on TEXCOORD_{more} is ignored (TEXCOORD_0 and 1 are supported)"
+                "{material}: a texture on TEXCOORD_{more} is ignored (TEXCOORD_0 and 1 are supported)"
             ));
             return Ok(None);
         }
     };
-    let Some(texture) = root.textures.get(slot.texture) else { return Ok(None) };
-    let image = images.key(texture.source.value())?;
-    let sampler = texture.sampler.and_then(|sampler| root.get(sampler));
-    let wrap = sampler.map_or([Wrap::Repeat; 2], |sampler| [wrap(&sampler.wrap_s), wrap(&sampler.wrap_t)]);
-    let blocky =
-        sampler.is_some_and(|sampler| sampler.mag_filter == Some(Checked::Valid(MagFilter::Nearest)));
-    let transform = slot.transform.map_or(UvTransform::default(), |transform| UvTransform {
-        offset: Vec2::from(transform.offset.0),
-        rotation_rad: transform.rotation.0,
-        scale: Vec2::from(transform.scale.0),
-    });
+    let index = slot.whole("index").unwrap_or(0) as usize;
+    let texture = Fields(Some(document.used(Section::Textures, index)?));
+    // The WebP image first, as its extension says: the other is there for those who cannot read it.
+    let webp = texture.object("extensions").object("EXT_texture_webp").whole("source");
+    let Some(source) = webp.or(texture.whole("source")) else {
+        let other = texture.object("extensions").0.and_then(|extensions| extensions.keys().next());
+        let only =
+            other.map_or(String::new(), |name| format!(" but by {}, which is not supported", shown(name)));
+        images.warnings.add(format!("{material}: texture {index} has no image{only}, and is ignored"));
+        return Ok(None);
+    };
+    let image = images.key(source as usize)?;
+    let sampler = match texture.whole("sampler") {
+        Some(sampler) => Fields(Some(document.used(Section::Samplers, sampler as usize)?)),
+        None => Fields(None),
+    };
+    let transform = UvTransform {
+        offset: Vec2::from(moved.numbers("offset", [0.0; 2])),
+        rotation_rad: moved.number("rotation", 0.0),
+        scale: Vec2::from(moved.numbers("scale", [1.0; 2])),
+    };
     if !(transform.offset.is_finite() && transform.rotation_rad.is_finite() && transform.scale.is_finite()) {
-        let item = format!("material '{material}'");
-        return Err(GltfError::Content { item, problem: "its texture transforms must be finite".into() });
+        let problem = "its texture transforms must be finite".into();
+        return Err(GltfError::Content { item: material.into(), problem });
     }
-    Ok(Some(TextureRef { image, wrap, smooth: !blocky, tex_coord, transform }))
+    let wrap = [wrap(sampler.whole("wrapS")), wrap(sampler.whole("wrapT"))];
+    let smooth = sampler.whole("magFilter") != Some(NEAREST);
+    Ok(Some(TextureRef { image, wrap, smooth, tex_coord, transform }))
 }
 
-fn wrap(mode: &Checked<WrappingMode>) -> Wrap {
+const NEAREST: u64 = 9728;
+
+fn wrap(mode: Option<u64>) -> Wrap {
     match mode {
-        Checked::Valid(WrappingMode::ClampToEdge) => Wrap::Clamp,
-        Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::Mirror,
+        Some(33071) => Wrap::Clamp,
+        Some(33648) => Wrap::Mirror,
         _ => Wrap::Repeat,
     }
 }

@@ -4,14 +4,14 @@
 use std::collections::HashMap;
 
 use glam::{Vec2, Vec3, Vec4};
-use gltf::json;
-use json::mesh::{Mode, Semantic};
-use json::validation::Checked;
+use serde_json::{Map, Value};
 
 use super::GltfError;
 use super::accessors::{Accessors, Integers};
-use super::deformations::{self, BendStreams};
+use super::deformations::{self, BendStreams, attribute};
+use super::document::{Section, remedy};
 use super::limits::{Budget, Warnings};
+use super::names::shown;
 use crate::geometry::{MAX_MESH_ELEMENTS, MeshData, Part};
 
 /// A glTF mesh: its shape, and which glTF material each slot is (`None`: the default material).
@@ -19,6 +19,14 @@ use crate::geometry::{MAX_MESH_ELEMENTS, MeshData, Part};
 pub(super) struct ReadMesh {
     pub(super) data: MeshData,
     pub(super) materials: Vec<Option<usize>>,
+}
+
+/// How a primitive's vertices make triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Mode {
+    Triangles,
+    TriangleStrip,
+    TriangleFan,
 }
 
 /// The accessors of a primitive's vertices. Primitives that share them share the vertices.
@@ -46,31 +54,52 @@ pub(super) fn read(
     budget: &mut Budget,
     warnings: &mut Warnings,
 ) -> Result<ReadMesh, GltfError> {
-    let declaration = accessors.root.meshes.get(mesh).ok_or_else(|| GltfError::IndexOutOfRange {
-        item: "a node".into(),
-        field: "mesh".into(),
-        kind: "mesh",
-        index: mesh as u64,
-        count: accessors.root.meshes.len(),
-    })?;
-    let name = declaration.name.clone().unwrap_or_else(|| format!("mesh{mesh}"));
+    let declaration = accessors.document.used(Section::Meshes, mesh)?;
+    let name =
+        declaration.get("name").and_then(Value::as_str).map_or_else(|| format!("mesh{mesh}"), str::to_owned);
     let mut read = ReadMesh { data: MeshData { name, ..MeshData::default() }, materials: Vec::new() };
     let mut runs: HashMap<Streams, Run> = HashMap::new();
     let mut slots: HashMap<Option<usize>, usize> = HashMap::new();
-    for (index, primitive) in declaration.primitives.iter().enumerate() {
+    let primitives = declaration.get("primitives").and_then(Value::as_array);
+    let primitives = primitives.into_iter().flatten().filter_map(Value::as_object);
+    for (index, primitive) in primitives.enumerate() {
         let wrong = |problem: String| GltfError::Primitive { mesh, primitive: index, problem };
-        let Checked::Valid(mode) = primitive.mode else { return Err(wrong("its mode is unknown".into())) };
-        if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
-            warnings.add(format!("mesh {mesh}: points and lines are ignored"));
-            continue;
+        let mode = match primitive.get("mode").and_then(Value::as_u64).unwrap_or(4) {
+            0..=3 => {
+                warnings.add(format!("mesh {mesh}: points and lines are ignored"));
+                continue;
+            }
+            4 => Mode::Triangles,
+            5 => Mode::TriangleStrip,
+            _ => Mode::TriangleFan,
+        };
+        if let Some(name) = primitive
+            .get("extensions")
+            .and_then(Value::as_object)
+            .and_then(|all| all.keys().find(|name| *name == "KHR_draco_mesh_compression"))
+        {
+            // The plain accessors, where the file has them as well, would do; most have none.
+            if attribute(primitive.get("attributes"), "POSITION")
+                .is_none_or(|accessor| !accessors.has_data(accessor))
+            {
+                return Err(GltfError::UnsupportedExtension { name: name.clone(), fix: remedy(name) });
+            }
         }
-        let stream = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).map(json::Index::value);
+        note_attributes(accessors, primitive, mesh, warnings);
+        let stream = |semantic: &str| attribute(primitive.get("attributes"), semantic);
+        let Some(positions) = stream("POSITION") else {
+            warnings.add(format!("mesh {mesh}, primitive {index}: it has no POSITION, and is ignored"));
+            continue;
+        };
+        if !accessors.has_bounds(positions) {
+            accessors.document.note(format!("mesh {mesh}: POSITION has no min and max"));
+        }
         let streams = Streams {
-            positions: stream(Semantic::Positions).ok_or_else(|| wrong("it has no POSITION".into()))?,
-            normals: stream(Semantic::Normals),
-            uvs: stream(Semantic::TexCoords(0)),
-            second_uvs: stream(Semantic::TexCoords(1)),
-            colors: stream(Semantic::Colors(0)),
+            positions,
+            normals: stream("NORMAL"),
+            uvs: stream("TEXCOORD_0"),
+            second_uvs: stream("TEXCOORD_1"),
+            colors: stream("COLOR_0"),
             bend: BendStreams::of(primitive, mesh, &wrong, warnings)?,
         };
         let targets = streams.bend.target_count();
@@ -102,7 +131,7 @@ pub(super) fn read(
             budget.charge_elements(triangles.len() as u64 * 3 * (1 + read.data.morphs.len() as u64))?;
             unshare(&mut read.data, run, &triangles);
         }
-        let material = primitive.material.map(|material| material.value());
+        let material = primitive.get("material").and_then(Value::as_u64).map(|material| material as usize);
         let material_slot = *slots.entry(material).or_insert_with(|| {
             read.materials.push(material);
             read.materials.len() - 1
@@ -113,6 +142,39 @@ pub(super) fn read(
     let vertices = read.data.positions.len();
     pad(&mut read.data, vertices);
     Ok(read)
+}
+
+/// Notes attributes whose names mean nothing here.
+fn note_attributes(
+    accessors: &Accessors<'_>,
+    primitive: &Map<String, Value>,
+    mesh: usize,
+    warnings: &mut Warnings,
+) {
+    const KNOWN: [&str; 3] = ["POSITION", "NORMAL", "TANGENT"];
+    const NUMBERED: [&str; 4] = ["TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"];
+    let is_known = |name: &str| {
+        let number = NUMBERED.iter().find_map(|prefix| name.strip_prefix(prefix));
+        KNOWN.contains(&name)
+            || number.is_some_and(|n| {
+                n.bytes().all(|b| b.is_ascii_digit()) && (n == "0" || !n.starts_with('0')) && !n.is_empty()
+            })
+    };
+    let attributes = primitive.get("attributes").and_then(Value::as_object);
+    let names = attributes.into_iter().flat_map(Map::keys).map(String::as_str);
+    // Names that begin with an underscore are for programs of their own.
+    if names.clone().any(|name| !is_known(name) && !name.starts_with('_')) {
+        warnings.add(format!("mesh {mesh}: an attribute of unknown name is ignored"));
+    }
+    for prefix in NUMBERED {
+        let numbers: Vec<u32> =
+            names.clone().filter_map(|name| name.strip_prefix(prefix)?.parse().ok()).collect();
+        if numbers.iter().any(|number| *number as usize >= numbers.len()) {
+            accessors
+                .document
+                .note(format!("mesh {mesh}: its {prefix}n are not numbered from 0 without gaps"));
+        }
+    }
 }
 
 /// Fills up the optional streams that an earlier primitive has and a later one lacks, or the reverse.
@@ -151,6 +213,11 @@ fn append(
     if let Some(normals) = streams.normals {
         let normals = accessors.floats::<3>(normals, "NORMAL", Integers::Normalized, budget)?;
         same_length("NORMAL", normals.len())?;
+        let off =
+            normals.iter().filter(|n| (n.iter().map(|x| x * x).sum::<f32>() - 1.0).abs() > 0.05).count();
+        if off > 0 {
+            accessors.document.note(format!("mesh '{}': {off} normals have not length 1", shown(&data.name)));
+        }
         data.normals.extend(normals.into_iter().map(Vec3::from).map(usable_normal));
     }
     if let Some(uvs) = streams.uvs {
@@ -175,6 +242,9 @@ fn append(
             data.colors.extend(colors.into_iter().map(Vec4::from));
         }
         same_length("COLOR_0", data.colors.len() - start)?;
+        if data.colors[start..].iter().any(|color| color.min_element() < 0.0 || color.max_element() > 1.0) {
+            accessors.document.note(format!("mesh '{}': colours are not from 0 to 1", shown(&data.name)));
+        }
     }
     streams.bend.append(accessors, start, data, budget, wrong)?;
     pad(data, start + vertices);
@@ -189,15 +259,15 @@ fn usable_normal(normal: Vec3) -> Vec3 {
 /// The triangles of a primitive, as vertices of its own streams, each index checked.
 fn triangles(
     accessors: &Accessors<'_>,
-    primitive: &json::mesh::Primitive,
+    primitive: &Map<String, Value>,
     mode: Mode,
     mesh: usize,
     index: usize,
     vertices: usize,
     budget: &mut Budget,
 ) -> Result<Vec<[u32; 3]>, GltfError> {
-    let order: Vec<u32> = match primitive.indices {
-        Some(indices) => accessors.indices(indices.value(), "indices", budget)?,
+    let order: Vec<u32> = match primitive.get("indices").and_then(Value::as_u64) {
+        Some(indices) => accessors.indices(indices as usize, "indices", budget)?,
         None => {
             budget.charge_elements(vertices as u64)?;
             (0..vertices as u32).collect()

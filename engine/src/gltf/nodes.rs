@@ -4,7 +4,6 @@
 //! first stays on the node, the others become children of it that stand where it stands.
 
 use std::collections::HashMap;
-use std::path::Path;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
@@ -18,6 +17,7 @@ use super::hierarchy::Hierarchy;
 use super::images::Images;
 use super::limits::{Budget, Warnings};
 use super::transforms::transform;
+use super::uri::Files;
 use super::{GltfError, SceneChoice, ShadowTypes, materials, meshes, punctual};
 use crate::geometry::Mesh;
 use crate::scene::{
@@ -32,7 +32,7 @@ type MeshEntry = (MeshKey, Vec<MaterialKey>, Switches);
 pub(super) struct Builder<'a> {
     pub(super) document: &'a Document,
     pub(super) accessors: Accessors<'a>,
-    pub(super) base_dir: Option<&'a Path>,
+    pub(super) files: &'a Files,
     pub(super) budget: Budget,
     pub(super) warnings: Warnings,
     pub(super) scene: Scene,
@@ -48,14 +48,14 @@ impl<'a> Builder<'a> {
     pub(super) fn new(
         document: &'a Document,
         accessors: Accessors<'a>,
-        base_dir: Option<&'a Path>,
+        files: &'a Files,
         budget: Budget,
         warnings: Warnings,
     ) -> Self {
         Self {
             document,
             accessors,
-            base_dir,
+            files,
             budget,
             warnings,
             scene: Scene::new(),
@@ -87,8 +87,9 @@ impl<'a> Builder<'a> {
         for &index in &order {
             let node = &nodes[index];
             let contents = self.contents(node)?;
+            // A light whose type is not supported is left out, but a shadow node may name it.
+            has_light[index] = node.extension("KHR_lights_punctual").is_some();
             for content in &contents {
-                has_light[index] |= matches!(content, Content::Light(_));
                 has_mesh[index] |= matches!(content, Content::Mesh(_));
                 if let Content::Shadow(key) = content {
                     shadows.push((*key, index));
@@ -99,7 +100,7 @@ impl<'a> Builder<'a> {
             keys[index] = Some(key);
             instanced[index] = self.spread(node, key)?;
         }
-        self.bend(&nodes, &order, &keys, &instanced)?;
+        self.bend(&nodes, &hierarchy, &order, &keys, &instanced)?;
         for &index in order.iter().rev() {
             if let Some(parent) = hierarchy.parent(index) {
                 has_light[parent] |= has_light[index];
@@ -183,8 +184,11 @@ impl<'a> Builder<'a> {
         let mut contents = contents.into_iter();
         let first = contents.next().unwrap_or_default();
         let key = self.scene.add(parent, name, transform(node)?, first);
-        for content in contents {
-            self.scene.add(Some(key), name, DAffine3::IDENTITY, content);
+        let others = contents.map(|content| self.scene.add(Some(key), name, DAffine3::IDENTITY, content));
+        for key in others.collect::<Vec<_>>().into_iter().chain([key]) {
+            if let Some(added) = self.scene.node_mut(key) {
+                added.file_index = Some(node.index);
+            }
         }
         let visibility = node.extension("KHR_node_visibility").and_then(|value| value.get("visible"));
         if visibility.and_then(Value::as_bool) == Some(false)
@@ -201,7 +205,7 @@ impl<'a> Builder<'a> {
         let name = node.name().unwrap_or_default();
         let switches = node.shadow_switches();
         let mut contents = Vec::new();
-        if let Some(index) = node.index("mesh", "mesh", document.root.meshes.len())? {
+        if let Some(index) = node.index("mesh", "mesh", document.meshes.len())? {
             let (mesh, materials, stated) = self.mesh(index)?;
             let flags = switches.or(stated);
             let shadow =
@@ -217,11 +221,18 @@ impl<'a> Builder<'a> {
             let reference = Item::new("light reference of node", node.index, punctual)?;
             let index = reference.index("light", "light", document.lights.len())?;
             let index = index.ok_or_else(|| reference.wrong("light", "is missing"))?;
-            let mut light = punctual::light(&Item::new("light", index, &document.lights[index])?, name)?;
-            light.casts_shadows &= switches.casts.unwrap_or(true);
-            let scene = &mut self.scene;
-            let entry = self.lights.entry((index, light.name.clone(), light.casts_shadows));
-            contents.push(Content::Light(*entry.or_insert_with(|| scene.add_light_data(light))));
+            let item = Item::new("light", index, &document.lights[index])?;
+            match punctual::light(&item, name)? {
+                Some(mut light) => {
+                    light.casts_shadows &= switches.casts.unwrap_or(true);
+                    let scene = &mut self.scene;
+                    let entry = self.lights.entry((index, light.name.clone(), light.casts_shadows));
+                    contents.push(Content::Light(*entry.or_insert_with(|| scene.add_light_data(light))));
+                }
+                None => self
+                    .warnings
+                    .add(format!("{}: its type is not supported, and it is ignored", item.label())),
+            }
         }
         if let Some(index) = node.index("camera", "camera", document.cameras.len())? {
             let camera = punctual::camera(&Item::new("camera", index, &document.cameras[index])?, name)?;
@@ -256,7 +267,7 @@ impl<'a> Builder<'a> {
         let key = self.scene.add_mesh_data(Arc::new(mesh));
         let materials: Result<_, _> =
             read.materials.iter().map(|material| self.material(*material)).collect();
-        let entry = (key, materials?, stated_switches(&self.document.root.meshes[index]));
+        let entry = (key, materials?, stated_switches(&self.document.meshes[index]));
         self.meshes.insert(index, entry.clone());
         Ok(entry)
     }
@@ -265,18 +276,18 @@ impl<'a> Builder<'a> {
         if let Some(key) = self.materials.get(&index) {
             return Ok(*key);
         }
-        let root = &self.document.root;
+        let document = self.document;
         let mut images = Images {
-            root,
-            buffers: self.accessors.buffers,
-            base_dir: self.base_dir,
+            document,
+            buffers: &self.accessors.buffers,
+            files: self.files,
             scene: &mut self.scene,
             budget: &mut self.budget,
             warnings: &mut self.warnings,
             loaded: std::mem::take(&mut self.images),
         };
         let material = match index {
-            Some(index) => materials::read(root, index, &mut images)?,
+            Some(index) => materials::read(document, index, &mut images)?,
             None => materials::gltf_default(),
         };
         self.images = images.loaded;
@@ -287,15 +298,13 @@ impl<'a> Builder<'a> {
 }
 
 /// The shadow flags in a mesh's `extras`, or those that any of its primitives states by extension.
-fn stated_switches(mesh: &gltf::json::Mesh) -> Switches {
-    let extras: Option<Value> =
-        mesh.extras.as_ref().and_then(|extras| serde_json::from_str(extras.get()).ok());
+fn stated_switches(mesh: &Value) -> Switches {
     let of = |value: Option<&Value>| value.and_then(Value::as_object).map(Switches::of).unwrap_or_default();
-    let primitives = mesh.primitives.iter().map(|primitive| {
-        let others = primitive.extensions.as_ref().map(|extensions| &extensions.others);
-        of(others.and_then(|others| others.get(super::fields::LIGHTS_SHADOWS)))
+    let primitives = mesh.get("primitives").and_then(Value::as_array);
+    let primitives = primitives.into_iter().flatten().map(|primitive| {
+        of(primitive.get("extensions").and_then(|extensions| extensions.get(super::fields::LIGHTS_SHADOWS)))
     });
-    primitives.fold(of(extras.as_ref()), Switches::or)
+    primitives.fold(of(mesh.get("extras")), Switches::or)
 }
 
 fn items<'v>(kind: &'static str, values: &'v [Value]) -> Result<Vec<Item<'v>>, GltfError> {

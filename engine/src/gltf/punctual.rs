@@ -21,8 +21,9 @@ pub(super) fn own_name(item: &Item<'_>, node: &str) -> String {
     own.unwrap_or(node).to_owned()
 }
 
-/// Reads a light; `node` is the name of the node that carries it.
-pub(super) fn light(item: &Item<'_>, node: &str) -> Result<Light, GltfError> {
+/// Reads a light; `node` is the name of the node that carries it. `None` for a type that other extensions may have
+/// added.
+pub(super) fn light(item: &Item<'_>, node: &str) -> Result<Option<Light>, GltfError> {
     let wrong = |problem: &str| GltfError::Content { item: item.label(), problem: problem.into() };
     let kind = match item.get("type").and_then(|kind| kind.as_str()) {
         Some("directional") => LightKind::Directional,
@@ -39,7 +40,8 @@ pub(super) fn light(item: &Item<'_>, node: &str) -> Result<Light, GltfError> {
             }
             LightKind::Spot { inner_rad: inner_rad.min(FRAC_PI_2), outer_rad: outer_rad.min(FRAC_PI_2) }
         }
-        _ => return Err(wrong("its type must be 'directional', 'point' or 'spot'")),
+        Some(_) => return Ok(None),
+        None => return Err(wrong("its type must be 'directional', 'point' or 'spot'")),
     };
     let color = Vec3::from(item.numbers("color")?.unwrap_or([1.0; 3]).map(|channel| channel as f32));
     let intensity = item.number("intensity")?.unwrap_or(1.0) as f32;
@@ -50,14 +52,14 @@ pub(super) fn light(item: &Item<'_>, node: &str) -> Result<Light, GltfError> {
     if range_m.is_some_and(|range_m| range_m <= 0.0) {
         return Err(wrong("its range must be above 0 m (left out, the light has no end)"));
     }
-    Ok(Light {
+    Ok(Some(Light {
         name: own_name(item, node),
         kind,
         color,
         intensity,
         range_m: range_m.filter(|_| kind != LightKind::Directional),
         casts_shadows: item.shadow_switches().casts.unwrap_or(true),
-    })
+    }))
 }
 
 /// Reads a camera; the far plane of a perspective one is ignored, since the engine needs none.
@@ -72,12 +74,13 @@ pub(super) fn camera(item: &Item<'_>, node: &str) -> Result<Camera, GltfError> {
     let projection = if kind == "perspective" {
         Projection::Perspective { fov_y_rad: needed("yfov")?, near_m: needed("znear")? }
     } else {
-        let (half_height_m, near_m, far_m) = (needed("ymag")?, needed("znear")?, needed("zfar")?);
-        Projection::Orthographic { half_height_m, near_m, far_m }
+        // Negative magnifications are valid glTF, though not advised: they turn the picture over, which nobody means.
+        let half_height_m = needed("ymag")?.abs();
+        Projection::Orthographic { half_height_m, near_m: needed("znear")?, far_m: needed("zfar")? }
     };
     if !projection.is_valid() {
         return Err(wrong(
-            "it needs 0 < near < far, and a field of view between 0 and pi or a positive ymag",
+            "it needs 0 < near < far, and a field of view between 0 and pi or a ymag other than 0",
         ));
     }
     Ok(Camera { name: own_name(item, node), projection })

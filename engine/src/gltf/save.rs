@@ -11,6 +11,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
+use super::names::shown;
 use super::punctual::OWN_NAME;
 use super::save_materials::{Materials, gone};
 use super::save_meshes::{Binary, WrittenMesh};
@@ -152,7 +153,7 @@ impl<'a> Writer<'a> {
         let parts = node.rest();
         let matrix = parts.map_or(node.parent_from_local, |parts| parts.matrix());
         if !matrix.is_finite() {
-            let what = format!("node '{}'", node.name);
+            let what = format!("node '{}'", shown(&node.label()));
             return Err(GltfError::Save { what, problem: "has a transform that is not finite".into() });
         }
         if let Some(parts) = parts {
@@ -176,7 +177,7 @@ impl<'a> Writer<'a> {
                 }
                 let weights = node.rest_weights().unwrap_or(&content.weights);
                 if !weights.iter().all(|weight| weight.is_finite()) {
-                    let what = format!("node '{}'", node.name);
+                    let what = format!("node '{}'", shown(&node.label()));
                     return Err(GltfError::Save { what, problem: "has weights that are not finite".into() });
                 }
                 if !weights.is_empty() {
@@ -330,7 +331,7 @@ fn light_value(light: &Light, node: &str) -> Result<Value, GltfError> {
     };
     let numbers = [f64::from(light.intensity), light.range_m.unwrap_or(1.0), angles[0], angles[1]];
     if !(light.color.is_finite() && numbers.iter().all(|x| x.is_finite())) {
-        let what = format!("light '{}'", light.name);
+        let what = format!("light '{}'", shown(&light.name));
         return Err(GltfError::Save { what, problem: "has values that are not finite".into() });
     }
     let mut value = json!({
@@ -358,7 +359,7 @@ fn light_value(light: &Light, node: &str) -> Result<Value, GltfError> {
 
 fn camera_value(camera: &Camera, node: &str) -> Result<Value, GltfError> {
     if !camera.projection.is_valid() {
-        let what = format!("camera '{}'", camera.name);
+        let what = format!("camera '{}'", shown(&camera.name));
         return Err(GltfError::Save { what, problem: "has an invalid projection".into() });
     }
     let mut value = match camera.projection {

@@ -4,6 +4,7 @@ use glam::{DAffine3, DMat4, DQuat, DVec3};
 
 use super::GltfError;
 use super::fields::Item;
+use super::names::few_digits;
 use crate::scene::Transform;
 
 /// A node's transform, from its matrix or its translation, rotation and scale.
@@ -31,7 +32,7 @@ const FARTHEST_M: f64 = 1e18;
 pub(super) fn check_reach(matrix: &DAffine3) -> Result<(), String> {
     let values = matrix.to_cols_array();
     match values.iter().find(|value| value.is_nan() || value.abs() > FARTHEST_M) {
-        Some(value) => Err(format!("holds {value:e}; numbers from -1e18 to 1e18 are accepted")),
+        Some(value) => Err(format!("holds {}; numbers from -1e18 to 1e18 are accepted", few_digits(*value))),
         None => Ok(()),
     }
 }

@@ -28,6 +28,9 @@ pub(super) const FARTHEST_M: f64 = 1e18;
 /// A determinant below this fraction of the product of its columns' lengths counts as zero.
 const SINGULAR: f64 = 1e-7;
 
+/// With more joints than this, what they have in common of their ways to the root is multiplied once.
+const MANY_JOINTS: usize = 1024;
+
 /// Vertices that one thread bends at least.
 const VERTICES_PER_TASK: usize = 2048;
 
@@ -129,7 +132,7 @@ impl Scene {
                 if joints.is_some() { bend(mesh, &weights, skinned) } else { bend(mesh, &weights, whole) };
             bent.map_err(|problem| SceneError::BadContent {
                 what: "the pose of node",
-                name: node.name.clone(),
+                name: node.label(),
                 problem,
             })
         })?;
@@ -144,13 +147,12 @@ impl Scene {
         mesh: &Mesh,
     ) -> Result<Option<Vec<DAffine3>>, SceneError> {
         let Some(key) = content.skin else { return Ok(None) };
-        let missing =
-            |what, key: String| SceneError::Missing { what, key: format!("{key} of node '{}'", node.name) };
-        let bad = |problem: String| SceneError::BadContent {
-            what: "mesh of node",
-            name: node.name.clone(),
-            problem,
+        let missing = |what, key: String| SceneError::Missing {
+            what,
+            key: format!("{key} of node '{}'", node.label()),
         };
+        let bad =
+            |problem: String| SceneError::BadContent { what: "mesh of node", name: node.label(), problem };
         let skin = self.skin(key).ok_or_else(|| missing("skin", format!("{key:?}")))?;
         if mesh.data().influences.is_empty() && !mesh.positions().is_empty() {
             return Err(bad("it has a skin, but no vertex names a joint".into()));
@@ -160,11 +162,15 @@ impl Scene {
             return Err(bad(format!("a vertex names joint {last}, but the skin has {}", skin.joints.len())));
         }
         let mut world_from_mesh = Vec::with_capacity(skin.joints.len());
-        for (place, joint) in skin.joints.iter().enumerate() {
-            let world_from_joint = self.world_from_local(*joint);
+        let worlds = if skin.joints.len() > MANY_JOINTS {
+            self.worlds_from_locals(&skin.joints)
+        } else {
+            skin.joints.iter().map(|joint| self.world_from_local(*joint)).collect()
+        };
+        for ((place, joint), world_from_joint) in skin.joints.iter().enumerate().zip(worlds) {
             let world_from_joint = world_from_joint.ok_or_else(|| missing("joint", format!("{joint:?}")))?;
             if !is_placed(&world_from_joint) {
-                return Err(SceneError::BadTransform { node: self.nodes[*joint].name.clone() });
+                return Err(SceneError::BadTransform { node: self.nodes[*joint].label() });
             }
             let bind = skin.joint_from_mesh.get(place).copied().unwrap_or(DAffine3::IDENTITY);
             world_from_mesh.push(world_from_joint * bind);
@@ -189,9 +195,8 @@ fn is_singular(world_from_local: &DAffine3) -> bool {
 /// The weights of the morph targets; none where no target takes part.
 fn morph_weights(node: &Node, content: &MeshNode, mesh: &Mesh) -> Result<Vec<f64>, SceneError> {
     let morphs = &mesh.data().morphs;
-    let bad = |problem: String| {
-        Err(SceneError::BadContent { what: "mesh of node", name: node.name.clone(), problem })
-    };
+    let bad =
+        |problem: String| Err(SceneError::BadContent { what: "mesh of node", name: node.label(), problem });
     let weights = match &content.weights[..] {
         [] => morphs.iter().map(|morph| f64::from(morph.weight)).collect(),
         weights if weights.len() != morphs.len() => {

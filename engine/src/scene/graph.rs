@@ -1,5 +1,7 @@
 //! The graph itself: nodes, keys, hierarchy, removal and revisions.
 
+use std::cell::OnceCell;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
@@ -44,12 +46,22 @@ pub struct Node {
     pub content: Content,
     /// Whether it and everything under it is drawn, shines and casts.
     pub visible: bool,
+    /// Its index in the file it was loaded from: what messages call it when it has no name.
+    pub file_index: Option<usize>,
     pub(super) rest: Option<Rest>,
     parent: Option<NodeKey>,
     children: Vec<NodeKey>,
 }
 
 impl Node {
+    /// What messages call it: its name, or its place in its file.
+    pub fn label(&self) -> String {
+        match self.file_index {
+            Some(index) if self.name.is_empty() => format!("node {index}"),
+            _ => self.name.clone(),
+        }
+    }
+
     /// The parent; `None` for a root.
     pub fn parent(&self) -> Option<NodeKey> {
         self.parent
@@ -261,6 +273,7 @@ impl Scene {
             parent_from_local,
             content,
             visible: true,
+            file_index: None,
             rest: None,
             parent,
             children: Vec::new(),
@@ -306,6 +319,24 @@ impl Scene {
         self.add(None, name, DAffine3::IDENTITY, Content::Shadow(key))
     }
 
+    /// What messages call a node: as [`Node::label`], or by its place among all, which is its index once the scene is
+    /// saved. The places are found when the first is asked for.
+    pub(super) fn label(
+        &self,
+        key: NodeKey,
+        node: &Node,
+        places: &OnceCell<HashMap<NodeKey, usize>>,
+    ) -> String {
+        let label = node.label();
+        if !label.is_empty() {
+            return label;
+        }
+        let places = places.get_or_init(|| {
+            self.depth_first().into_iter().enumerate().map(|(place, key)| (key, place)).collect()
+        });
+        places.get(&key).map_or_else(String::new, |place| format!("node {place}"))
+    }
+
     /// The node behind `key`, if it is still there.
     pub fn node(&self, key: NodeKey) -> Option<&Node> {
         self.nodes.get(key)
@@ -348,6 +379,45 @@ impl Scene {
             }
         }
         keys
+    }
+
+    /// All that lies at or under any of `roots`; what several of them have in common is visited once.
+    pub(super) fn subtrees(&self, roots: &[NodeKey]) -> HashSet<NodeKey> {
+        let mut keys = HashSet::new();
+        let mut open = roots.to_vec();
+        while let Some(key) = open.pop() {
+            if let Some(node) = self.nodes.get(key)
+                && keys.insert(key)
+            {
+                open.extend(&node.children);
+            }
+        }
+        keys
+    }
+
+    /// [`Scene::world_from_local`] of many nodes, in time that grows with how many there are and not with how deep
+    /// they lie as well; the last digits may differ.
+    pub(super) fn worlds_from_locals(&self, keys: &[NodeKey]) -> Vec<Option<DAffine3>> {
+        let mut known: HashMap<NodeKey, DAffine3> = HashMap::new();
+        let mut path = Vec::new();
+        let mut world = |key: NodeKey| {
+            let mut next = Some(key);
+            let mut world_from_local = DAffine3::IDENTITY;
+            while let Some(key) = next {
+                if let Some(found) = known.get(&key) {
+                    world_from_local = *found;
+                    break;
+                }
+                path.push(key);
+                next = self.nodes.get(key)?.parent;
+            }
+            while let Some(key) = path.pop() {
+                world_from_local *= self.nodes.get(key)?.parent_from_local;
+                known.insert(key, world_from_local);
+            }
+            Some(world_from_local)
+        };
+        keys.iter().map(|key| if self.nodes.contains_key(*key) { world(*key) } else { None }).collect()
     }
 
     /// The transform from the node's local space to the world; `None` when the node is gone.

@@ -1,5 +1,6 @@
 //! The scene at one moment, flattened: what the frame plan, the executor and the reference all work from.
 
+use std::cell::OnceCell;
 use std::collections::{HashMap, HashSet};
 use std::f64::consts::FRAC_PI_2;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -9,7 +10,7 @@ use glam::{DAffine3, DVec3, DVec4, Vec3};
 
 use super::deform::is_placed;
 use super::{
-    Camera, CameraKey, Content, Image, ImageKey, Light, LightKey, LightKind, Material, NodeKey, Scene,
+    Camera, CameraKey, Content, Image, ImageKey, Light, LightKey, LightKind, Material, Node, NodeKey, Scene,
     SceneError, Scope, ShadowFlags, ShadowKey, ShadowNode,
 };
 use crate::geometry::Mesh;
@@ -213,18 +214,20 @@ impl Scene {
             background: self.background(),
         };
         let mut shadow_nodes = Vec::new();
+        let places = OnceCell::new();
+        let label = |key: NodeKey, node: &Node| self.label(key, node, &places);
         let mut open: Vec<(NodeKey, DAffine3)> =
             self.roots().iter().rev().map(|root| (*root, DAffine3::IDENTITY)).collect();
         while let Some((key, world_from_parent)) = open.pop() {
             let Some(node) = self.node(key).filter(|node| node.visible) else { continue };
             let world_from_local = world_from_parent * node.parent_from_local;
             if !is_placed(&world_from_local) {
-                return Err(SceneError::BadTransform { node: node.name.clone() });
+                return Err(SceneError::BadTransform { node: label(key, node) });
             }
             open.extend(node.children().iter().rev().map(|child| (*child, world_from_local)));
-            let missing = |what, key: String| SceneError::Missing {
+            let missing = |what, of: String| SceneError::Missing {
                 what,
-                key: format!("{key} of node '{}'", node.name),
+                key: format!("{of} of node '{}'", label(key, node)),
             };
             match &node.content {
                 Content::Group => {}
@@ -249,12 +252,12 @@ impl Scene {
                     );
                     let corners_finite = world_bounds.min.is_finite() && world_bounds.max.is_finite();
                     if !corners_finite && !world_bounds.is_empty() {
-                        return Err(SceneError::BadTransform { node: node.name.clone() });
+                        return Err(SceneError::BadTransform { node: label(key, node) });
                     }
                     posed.world_bounds = posed.world_bounds.union(&world_bounds);
                     posed.instances.push(Instance {
                         node: key,
-                        name: node.name.clone(),
+                        name: label(key, node),
                         pose_key: pose_key(mesh.id(), &world_from_local),
                         mesh,
                         materials,
@@ -281,7 +284,7 @@ impl Scene {
                     let shadow = self
                         .shadow(*shadow_key)
                         .ok_or_else(|| missing("shadow node", format!("{shadow_key:?}")))?;
-                    shadow_nodes.push((*shadow_key, node.name.clone(), shadow.clone()));
+                    shadow_nodes.push((*shadow_key, label(key, node), shadow.clone()));
                 }
             }
         }
@@ -298,7 +301,7 @@ impl Scene {
         let scope = |scope: &Scope| -> Option<HashSet<NodeKey>> {
             match scope {
                 Scope::All => None,
-                Scope::Nodes(nodes) => Some(nodes.iter().flat_map(|node| self.subtree(*node)).collect()),
+                Scope::Nodes(nodes) => Some(self.subtrees(nodes)),
             }
         };
         let (lights, casters, receivers) =
