@@ -235,3 +235,23 @@ fn spot_angles_survive_to_the_last_bit() {
     let loaded = gltf::load_slice(&gltf::to_glb(&scene).unwrap().bytes, None).unwrap();
     assert_eq!(loaded.scene.lights().next().unwrap().1.kind, kind);
 }
+
+/// What is saved is held against a reader that is not ours.
+#[test]
+fn another_reader_takes_what_is_saved() {
+    let scene = rich_scene();
+    let saved = gltf::to_glb(&scene).unwrap().bytes;
+    let ::gltf::Gltf { document, blob } = ::gltf::Gltf::from_slice(&saved).unwrap();
+    let ours = |is: fn(&Content) -> bool| scene.nodes().filter(|(_, node)| is(&node.content)).count();
+    let cameras = document.nodes().filter(|node| node.camera().is_some()).count();
+    assert_eq!(cameras, ours(|content| matches!(content, Content::Camera(_))));
+    let meshes = document.nodes().filter(|node| node.mesh().is_some()).count();
+    assert_eq!(meshes, ours(|content| matches!(content, Content::Mesh(_))));
+    let blob = blob.unwrap();
+    for primitive in document.meshes().flat_map(|mesh| mesh.primitives().collect::<Vec<_>>()) {
+        let positions = primitive.get(&::gltf::Semantic::Positions).unwrap();
+        let view = positions.view().unwrap();
+        assert!(view.offset() + view.length() <= blob.len());
+        assert_eq!(positions.dimensions(), ::gltf::accessor::Dimensions::Vec3);
+    }
+}

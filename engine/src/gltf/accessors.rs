@@ -1,5 +1,8 @@
 //! Accessors: typed streams of numbers in buffers, checked before anything is allocated.
 
+use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
+use gltf::json::deserialize::from_value;
+use gltf::json::validation::Checked;
 use serde_json::{Map, Value};
 
 use super::GltfError;
@@ -10,74 +13,19 @@ use super::limits::Budget;
 /// The most elements an accessor may have that has no buffer view: nothing else bounds it.
 const MAX_COUNT_WITHOUT_VIEW: u64 = 1 << 22;
 
-/// The shape of an accessor's elements.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Type {
-    Scalar,
-    Vec2,
-    Vec3,
-    Vec4,
-    Mat2,
-    Mat3,
-    Mat4,
-}
-
-impl Type {
-    fn named(name: &str) -> Option<Self> {
-        Some(match name {
-            "SCALAR" => Self::Scalar,
-            "VEC2" => Self::Vec2,
-            "VEC3" => Self::Vec3,
-            "VEC4" => Self::Vec4,
-            "MAT2" => Self::Mat2,
-            "MAT3" => Self::Mat3,
-            "MAT4" => Self::Mat4,
-            _ => return None,
-        })
-    }
-
-    fn components(self) -> usize {
-        match self {
-            Self::Scalar => 1,
-            Self::Vec2 => 2,
-            Self::Vec3 => 3,
-            Self::Vec4 | Self::Mat2 => 4,
-            Self::Mat3 => 9,
-            Self::Mat4 => 16,
-        }
+/// The shape of an accessor's elements, as the format's word says.
+fn type_of(declaration: &Map<String, Value>) -> Option<Type> {
+    match from_value::<Checked<Type>>(declaration.get("type")?.clone()) {
+        Ok(Checked::Valid(known)) => Some(known),
+        _ => None,
     }
 }
 
-/// The type of an accessor's numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum ComponentType {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
-}
-
-impl ComponentType {
-    fn coded(code: u64) -> Option<Self> {
-        Some(match code {
-            5120 => Self::I8,
-            5121 => Self::U8,
-            5122 => Self::I16,
-            5123 => Self::U16,
-            5125 => Self::U32,
-            5126 => Self::F32,
-            _ => return None,
-        })
-    }
-
-    fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::U32 | Self::F32 => 4,
-        }
+/// The type of an accessor's numbers, as the format's number says.
+fn component_type(declaration: &Map<String, Value>) -> Option<ComponentType> {
+    match from_value::<Checked<GenericComponentType>>(declaration.get("componentType")?.clone()) {
+        Ok(Checked::Valid(GenericComponentType(known))) => Some(known),
+        _ => None,
     }
 }
 
@@ -109,7 +57,7 @@ pub(super) enum Integers {
 impl Accessors<'_> {
     /// The number of components of each element.
     pub(super) fn width(&self, accessor: usize, purpose: &'static str) -> Result<usize, GltfError> {
-        Ok(kind(self.get(accessor, purpose)?, accessor, purpose)?.0.components())
+        Ok(kind(self.get(accessor, purpose)?, accessor, purpose)?.0.multiplicity())
     }
 
     /// An accessor of scalars or vectors of `N` components as floats, every one of them finite.
@@ -295,7 +243,7 @@ impl Accessors<'_> {
         let nothing = Map::new();
         let inner = |field: &str| sparse.get(field).and_then(Value::as_object).unwrap_or(&nothing);
         let (indices, replaced) = (inner("indices"), inner("values"));
-        let Some(component) = ComponentType::coded(whole(indices, "componentType")) else {
+        let Some(component) = component_type(indices) else {
             return Err(wrong("its sparse indices have no valid component type".into()));
         };
         let places = component.size();
@@ -347,8 +295,8 @@ fn kind(
     accessor: usize,
     purpose: &'static str,
 ) -> Result<(Type, ComponentType), GltfError> {
-    let found = declaration.get("type").and_then(Value::as_str).and_then(Type::named);
-    found.zip(ComponentType::coded(whole(declaration, "componentType"))).ok_or_else(|| {
+    let found = type_of(declaration);
+    found.zip(component_type(declaration)).ok_or_else(|| {
         let problem = "its type or componentType is unknown".into();
         GltfError::Accessor { accessor, purpose, problem }
     })
@@ -356,8 +304,8 @@ fn kind(
 
 /// How many components an accessor's elements have, and the bytes of each.
 pub(super) fn element_bytes(declaration: &Map<String, Value>) -> Option<(usize, usize)> {
-    let found = declaration.get("type").and_then(Value::as_str).and_then(Type::named)?;
-    Some((found.components(), ComponentType::coded(whole(declaration, "componentType"))?.size()))
+    let found = type_of(declaration)?;
+    Some((found.multiplicity(), component_type(declaration)?.size()))
 }
 
 fn vector(components: usize) -> Type {
