@@ -205,7 +205,7 @@ fn surfaces_thinner_than_a_pixel() {
     println!("{}", ErrorTable(&evaluation.errors));
     for error in &evaluation.errors {
         assert!(error.passes() && error.wrong_outside_band == 0, "{error:?}");
-        // As wide as before it followed from the triangle, but for a few pixels.
-        assert!(error.band_pixels < 100 && error.shadow_pixels > 2_500, "{error:?}");
+        // As wide as before it followed from the triangle, but for a few pixels, and for those at edges of the very boxes.
+        assert!(error.band_px < 100.0 && error.shadow_pixels > 2_500, "{error:?}");
     }
 }

@@ -216,14 +216,14 @@ fn what_lies_in_the_receivers_plane_casts_nothing() {
         let image = render(&scene.pose().unwrap(), &camera);
         assert!(image.hits.iter().flatten().count() > 1000);
         assert!(image.lights[0].factor.iter().all(|f| f.is_nan() || *f == 1.0));
-        // Only at the rim towards the light, where the floor's own shadow begins under it, may depth make a difference.
+        // Only at the rim, where the floor's own shadow begins under it, may depth or the snap of its edge make a difference.
         for (pixel, _) in image.lights[0].ambiguous.iter().enumerate().filter(|(_, is)| **is) {
             let local = placed(offset, turn, DVec3::ONE).inverse();
             let from = local.transform_point3(camera.world_from_view.translation);
             let (_, direction) = pixel_ray(&camera, pixel);
             let direction = local.transform_vector3(direction);
             let p = from - direction * (from.y / direction.y);
-            assert!(p.x > 2.49, "{pixel}: {p}");
+            assert!(p.x.abs().max(p.z.abs()) > 2.49, "{pixel}: {p}");
         }
     }
 }
