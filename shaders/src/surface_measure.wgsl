@@ -41,28 +41,16 @@ const CORNER_ROUNDING: f32 = 6e-8;
 // What rounding leaves of how high a point is over a plane, relative to the distances of both.
 const PLANE_ROUNDING: f32 = 2e-7;
 
-// The distances from the eye of a triangle's corners in view space.
-fn distances(corners: array<vec3f, 3>) -> vec3f {
-    return max(vec3f(length(corners[0]), length(corners[1]), length(corners[2])), vec3f(1e-30));
+// What fragments need to know of their triangle.
+struct Plane {
+    // Unit normal, in view space on the eye's side; and how far the farthest corner is.
+    normal: vec4f,
+    // How high the plane is over the eye along the normal, and how far the nearest corner is.
+    offset: vec2f,
 }
 
-fn corners_in_view(instance: u32, first: u32) -> array<vec3f, 3> {
-    return array<vec3f, 3>(
-        view_from_local(instance, local_position(indices[first])),
-        view_from_local(instance, local_position(indices[first + 1u])),
-        view_from_local(instance, local_position(indices[first + 2u])),
-    );
-}
-
-// The nearest of them: farther ones carry larger roundings.
-fn nearest_of(corners: array<vec3f, 3>) -> vec3f {
-    let far = distances(corners);
-    let nearer = select(corners[0], corners[1], far.y < far.x);
-    return select(nearer, corners[2], far.z < min(far.x, far.y));
-}
-
-// Unit normal of the triangle that begins with this corner, in view space on the eye's side.
-fn geometric_normal(instance: u32, first: u32, nearest: vec3f) -> vec3f {
+// The plane of the triangle that begins with this corner.
+fn plane_of(instance: u32, first: u32) -> Plane {
     let a = local_position(indices[first]);
     let b = local_position(indices[first + 1u]);
     let c = local_position(indices[first + 2u]);
@@ -83,10 +71,20 @@ fn geometric_normal(instance: u32, first: u32, nearest: vec3f) -> vec3f {
     } else if dot(bc, bc) == longest {
         n = cross(scaled(ca), scaled(ab));
     }
+    // Where it is, the nearest corner says: farther ones carry larger roundings.
+    let a_in_view = view_from_local(instance, a);
+    let b_in_view = view_from_local(instance, b);
+    let c_in_view = view_from_local(instance, c);
+    let squares = vec3f(dot(a_in_view, a_in_view), dot(b_in_view, b_in_view), dot(c_in_view, c_in_view));
+    var nearest = select(a_in_view, b_in_view, squares.y < squares.x);
+    nearest = select(nearest, c_in_view, squares.z < min(squares.x, squares.y));
     let towards_eye = select(vec3f(0.0, 0.0, 1.0), -nearest, frame.eye_w > 0.0);
     // Without an area it is seen nowhere; its normal is still one.
     n = normalize(select(scaled(n), vec3f(0.0, 0.0, 1.0), largest(n) < 1e-30));
-    return select(n, -n, dot(n, towards_eye) < 0.0);
+    n = select(n, -n, dot(n, towards_eye) < 0.0);
+    let far_m = max(sqrt(max(squares.x, max(squares.y, squares.z))), 1e-30);
+    let near_m = sqrt(min(squares.x, min(squares.y, squares.z)));
+    return Plane(vec4f(n, far_m), vec2f(dot(n, nearest), near_m));
 }
 
 // The normal of the visible point, as long as its distance is over the one that depth says; and how far it may be off along the
@@ -121,12 +119,9 @@ fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) instance:
 #if NORMALS
     let first = corner - corner % 3u;
     let receives = (instances[instance].flags & 1u) != 0u;
-    let corners = corners_in_view(instance, first);
-    let nearest = nearest_of(corners);
-    let far = distances(corners);
-    let n = geometric_normal(instance, first, nearest);
-    out.normal = vec4f(n, select(0.0, max(far.x, max(far.y, far.z)), receives));
-    out.plane = vec2f(dot(n, nearest), length(nearest));
+    let plane = plane_of(instance, first);
+    out.normal = vec4f(plane.normal.xyz, select(0.0, plane.normal.w, receives));
+    out.plane = plane.offset;
 #endif
     return out;
 }
