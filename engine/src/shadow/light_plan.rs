@@ -162,11 +162,12 @@ impl<'a> LightPlan<'a> {
         })
     }
 
-    /// The normal of the surface that every pixel shows, as `texture_2d<f32>`: x, y and z are the unit normal of the
-    /// visible triangle in view space, on the eye's side; w is how far, in metres, the point that depth says may be off along
-    /// the view (what rasterisers lose of far corners and of triangles thinner than a pixel) where the surface receives
-    /// shadows, 0 where it does not or nothing is seen. The triangle's own normal, not one blended between vertices. In the plan only when some
-    /// technique calls this.
+    /// The normal of the surface that every pixel shows, as `texture_2d<f32>`: x, y and z are along the normal of the visible
+    /// triangle in view space, on the eye's side, and so long as the visible point is far from the eye, where the point
+    /// that depth says is at 1: 1 but on triangles thinner than a pixel, whose depth rasterisers know badly. w is how far
+    /// that point may still be off along the view, in metres, where the surface receives shadows; 0 where it does not or
+    /// nothing is seen. The triangle's own normal, not one blended between vertices. In the plan only when some technique
+    /// calls this.
     pub fn receiver_normals(&mut self) -> SlotId {
         let builder = &mut *self.builder;
         *self.receiver_normals.get_or_insert_with(|| {
