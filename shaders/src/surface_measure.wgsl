@@ -36,10 +36,10 @@ fn scaled(v: vec3f) -> vec3f {
 }
 
 // How far the visible point may be off along the view, relative to the distance of its triangle's farthest corner: what
-// rasterisers lose of it when they cut the triangle at the picture's edges. Up to 2.3e-8 was seen.
-const CORNER_ROUNDING: f32 = 6e-8;
+// vertex shaders round of it, four roundings, and rasterisers lose when they cut the triangle at the picture's edges.
+const CORNER_ROUNDING: f32 = 2.4e-7;
 // What rounding leaves of how high a point is over a plane, relative to the distances of both.
-const PLANE_ROUNDING: f32 = 2e-7;
+const PLANE_ROUNDING: f32 = 6e-7;
 
 // What fragments need to know of their triangle.
 struct Plane {
@@ -100,7 +100,7 @@ fn surface_point(in: Varyings) -> vec4f {
     let is_off = abs(off_plane_m) > 2.0 * lost_m;
     // Normals are on the eye's side: what is before the plane has to move on.
     let farther = select(1.0, 1.0 + off_plane_m / (slope * max(distance_m, 1e-30)), is_off);
-    let uncertain_m = select(max(CORNER_ROUNDING * in.normal.w, 8.0 * abs(off_plane_m) / slope), lost_m / slope, is_off);
+    let uncertain_m = select(max(CORNER_ROUNDING * in.normal.w, 4.0 * abs(off_plane_m) / slope), lost_m / slope, is_off);
     return vec4f(in.normal.xyz * max(farther, 1e-3), select(0.0, uncertain_m, in.normal.w > 0.0));
 }
 #endif
