@@ -3,19 +3,10 @@
 mod cli;
 mod common;
 
-use cli::{Folder, names_all};
+use cli::{Folder, names_all, yard_parts};
 use common::{renderer, shadowed_yard};
 use serde_json::{Value, json};
 use shadowgraph_engine::gltf;
-
-/// The yard as JSON and the bytes of its buffer.
-fn yard_parts() -> (Value, Vec<u8>) {
-    let glb = gltf::to_glb(&shadowed_yard(&[])).expect("it can be saved").bytes;
-    let word = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().expect("four bytes")) as usize;
-    let json_end = 20 + word(12);
-    let json = serde_json::from_slice(&glb[20..json_end]).expect("it is JSON");
-    (json, glb[json_end + 8..json_end + 8 + word(json_end)].to_vec())
-}
 
 /// Writes the yard as `scene.gltf` and `scene.bin`, after `change`.
 fn write_changed(folder: &Folder, change: impl FnOnce(&mut Value, &mut Vec<u8>)) {

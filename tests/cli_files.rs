@@ -6,24 +6,15 @@ mod common;
 
 use std::fs;
 
-use cli::{Folder, names_all};
+use cli::{Folder, names_all, yard_parts};
 use common::{renderer, shadowed_yard};
 use serde_json::{Value, json};
 use shadowgraph_engine::gltf;
 
-/// The yard as JSON and the bytes of its buffer.
-fn yard() -> (Value, Vec<u8>) {
-    let glb = gltf::to_glb(&shadowed_yard(&[])).expect("it can be saved").bytes;
-    let word = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().expect("four bytes")) as usize;
-    let json_end = 20 + word(12);
-    let json = serde_json::from_slice(&glb[20..json_end]).expect("it is JSON");
-    (json, glb[json_end + 8..json_end + 8 + word(json_end)].to_vec())
-}
-
 /// A folder with the yard as `scene.gltf`, after `change`, `scene.bin` and `wood.png`, which a material wears.
 fn folder_with(change: impl FnOnce(&mut Value)) -> Folder {
     let folder = Folder::new();
-    let (mut json, bin) = yard();
+    let (mut json, bin) = yard_parts();
     json["buffers"][0]["uri"] = "scene.bin".into();
     json["images"] = json!([{ "uri": "wood.png" }]);
     json["textures"] = json!([{ "source": 0 }]);

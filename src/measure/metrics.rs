@@ -106,7 +106,7 @@ pub struct LightError {
     /// Pixels of the ambiguity band.
     pub band_pixels: usize,
     /// How wide the band is, in pixels: for a light without a size as many as it holds, for one with a size the mean of the
-    /// bands of its samples' own shadows; without pixels that the light but grazes.
+    /// bands of its samples' own shadows; without pixels that are [not counted](LightReference::uncounted).
     pub band_px: f64,
     /// How wide it may be: [`BAND_PIXELS_PER_BOUNDARY_PIXEL`] for each pixel of boundary, and [`BAND_FLOOR_PIXELS`].
     pub band_limit_px: f64,

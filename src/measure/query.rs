@@ -121,9 +121,11 @@ impl Asker<'_> {
         let bounds = [bounds(0), bounds(1), bounds(2)];
         // Where nothing of the light is seen, and at edges by the very reason for being in it, the band is no wider than it may be.
         let light = self.tracer.reference.lights[self.query.light].position;
-        let is_at_rim = moved.is_at_rim(light, &self.query.casters)
-            || self.query.transparent.as_ref().is_some_and(|casters| moved.is_at_rim(light, casters));
-        let uncounted = ambiguous && (moved.at_edge || is_at_rim || self.is_grazed(moved, light));
+        let mut casters = self.query.transparent.iter().chain([&self.query.casters]);
+        let uncounted = ambiguous
+            && (moved.at_edge
+                || casters.any(|casters| moved.is_at_rim(light, casters))
+                || self.is_grazed(moved, light));
         PixelReference { factor, bounds, tint: tint.as_vec3().to_array(), compared, ambiguous, uncounted }
     }
 

@@ -52,13 +52,14 @@ impl<'a> Tracer<'a> {
         let reference = self.reference;
         let opaque = (&reference.bvh, &reference.triangles[..]);
         let panes = reference.panes.as_ref().map(|panes| (&panes.bvh, &panes.triangles[..]));
+        let rays = rays(view, place);
         let mut found = InPlane::default();
         for (tree, is_pane) in [(Some(opaque), false), (panes, true)] {
             let Some(tree) = tree else { continue };
-            let coplanar = self.coplanar(tree, moved, view, place);
+            let coplanar = self.coplanar(tree, moved, rays[0].1);
             if is_pane == moved.surface.lets_light_pass {
                 let shows = |triangle: &Triangle| {
-                    rays(view, place).any(|(from, direction)| triangle.hit(from, direction).is_some())
+                    rays.iter().any(|(from, direction)| triangle.hit(*from, *direction).is_some())
                 };
                 let coordinate_m = reference.coordinate_m;
                 found.showing.extend(coplanar.iter().filter(|triangle| {
@@ -67,7 +68,7 @@ impl<'a> Tracer<'a> {
                         && shows(triangle)
                 }));
             }
-            found.at_edge |= self.add_rims(&coplanar, moved, view, place, &mut found.rims);
+            found.at_edge |= self.add_rims((&coplanar, &rays), moved, (view, place), &mut found.rims);
         }
         found
     }
@@ -77,8 +78,7 @@ impl<'a> Tracer<'a> {
         &mut self,
         (bvh, triangles): (&Bvh, &'a [Triangle]),
         moved: &Moved<'_>,
-        view: &View<'_>,
-        place: [f64; 2],
+        direction: DVec3,
     ) -> Vec<&'a Triangle> {
         let coordinate_m = self.reference.coordinate_m;
         let stack: &mut Vec<Open> = &mut self.stack;
@@ -86,7 +86,6 @@ impl<'a> Tracer<'a> {
         let spread_m = sideways[..4].iter().map(|p| (*p - center).abs().max_element()).fold(0.0, f64::max);
         // On a surface seen edge-on, next to the centre is far away; there only what the centre itself shows counts.
         let spread_m = if bvh.takes_thickness(spread_m) { spread_m } else { 0.0 };
-        let (_, direction) = view.ray(place);
         let mut found = Vec::new();
         // No way at all, as thick as the moves are wide.
         let Some(around) = bvh.ray(center, direction, 0.0..0.0, spread_m) else { return found };
@@ -102,10 +101,9 @@ impl<'a> Tracer<'a> {
     /// Adds the rims of those of `coplanar` that cast; whether the surface that is seen ends.
     fn add_rims(
         &mut self,
-        coplanar: &[&'a Triangle],
+        (coplanar, rays): (&[&'a Triangle], &[Ray; 5]),
         moved: &Moved<'a>,
-        view: &View<'_>,
-        place: [f64; 2],
+        (view, place): (&View<'_>, [f64; 2]),
         rims: &mut Vec<Rim<'a>>,
     ) -> bool {
         let is_own = |triangle: &Triangle| triangle.instance == moved.surface.instance;
@@ -117,11 +115,9 @@ impl<'a> Tracer<'a> {
         for instance in instances {
             // A surface goes on beyond an edge that two of its triangles share: as many are there as here.
             let own = || coplanar.iter().filter(|triangle| triangle.instance == instance);
-            let mut covering = rays(view, place).map(|(from, direction)| {
+            let [here, there @ ..] = rays.map(|(from, direction)| {
                 own().filter(|t| is_crossed_once(&t.corners, from, direction)).count()
             });
-            let here = covering.next().unwrap_or_default();
-            let there: Vec<usize> = covering.collect();
             for ([dx, dy], there) in SIDEWAYS.iter().zip(there) {
                 if here == there {
                     continue;
@@ -153,7 +149,11 @@ impl<'a> Tracer<'a> {
     }
 }
 
+/// Where a ray begins, and its direction.
+type Ray = (DVec3, DVec3);
+
 /// The rays through a place of the target, and through where it moves to.
-fn rays<'v>(view: &'v View<'_>, place: [f64; 2]) -> impl Iterator<Item = (DVec3, DVec3)> + 'v {
-    [[0.0; 2]].into_iter().chain(SIDEWAYS).map(move |[dx, dy]| view.ray([place[0] + dx, place[1] + dy]))
+fn rays(view: &View<'_>, [x, y]: [f64; 2]) -> [Ray; 5] {
+    let [left, right, up, down] = SIDEWAYS;
+    [[0.0; 2], left, right, up, down].map(|[dx, dy]| view.ray([x + dx, y + dy]))
 }

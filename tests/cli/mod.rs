@@ -8,8 +8,18 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use serde_json::Value;
 use shadowgraph_engine::gltf;
 use shadowgraph_engine::scene::Scene;
+
+/// The yard as JSON and the bytes of its buffer.
+pub(crate) fn yard_parts() -> (Value, Vec<u8>) {
+    let glb = gltf::to_glb(&crate::common::shadowed_yard(&[])).expect("it can be saved").bytes;
+    let word = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().expect("four bytes")) as usize;
+    let json_end = 20 + word(12);
+    let json = serde_json::from_slice(&glb[20..json_end]).expect("it is JSON");
+    (json, glb[json_end + 8..json_end + 8 + word(json_end)].to_vec())
+}
 
 /// A folder of one test, removed at its end.
 pub(crate) struct Folder(PathBuf);

@@ -206,8 +206,13 @@ impl Mesh {
 
     /// Vertex `vertex` as shaders see it: about [`Self::shader_origin`], rounded once.
     pub fn shader_position(&self, vertex: u32) -> Vec3 {
-        let (position, origin) = (self.data.positions[vertex as usize], self.shader_origin());
-        if origin == DVec3::ZERO { position } else { (position.as_dvec3() - origin).as_vec3() }
+        about(self.shader_origin(), self.data.positions[vertex as usize])
+    }
+
+    /// All vertices so.
+    pub fn shader_positions(&self) -> Vec<Vec3> {
+        let origin = self.shader_origin();
+        self.data.positions.iter().map(|position| about(origin, *position)).collect()
     }
 
     /// Welded vertices, edges and closedness; computed on first use and kept.
@@ -265,6 +270,11 @@ fn validate(data: &MeshData) -> Result<(), MeshError> {
         expected_start = run.end;
     }
     Ok(())
+}
+
+/// A position relative to an origin, which is mostly zero.
+fn about(origin: DVec3, position: Vec3) -> Vec3 {
+    if origin == DVec3::ZERO { position } else { (position.as_dvec3() - origin).as_vec3() }
 }
 
 /// The normal of the last triangle at each vertex; +y where there is none, or no area.

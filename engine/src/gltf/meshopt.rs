@@ -242,17 +242,26 @@ impl<T: Copy> Queue<T> {
     }
 }
 
+/// What lies between the first byte, which has to be `first`, and a tail of so many: at least `count` bytes. And the tail.
+fn body_and_tail(
+    data: &[u8],
+    (first, otherwise): (u8, Problem),
+    count: usize,
+    tail: usize,
+) -> Result<(&[u8], &[u8]), Problem> {
+    match data.split_first() {
+        Some((_, rest)) if rest.len() < tail || rest.len() - tail < count => Err(TOO_SHORT),
+        Some((found, rest)) if *found == first => Ok(rest.split_at(rest.len() - tail)),
+        Some(_) => Err(otherwise),
+        None => Err(TOO_SHORT),
+    }
+}
+
 /// The indices of so many triangles.
 fn triangles(data: &[u8], count: usize) -> Result<Vec<u32>, Problem> {
-    const TABLE: usize = 16;
-    if data.len() < 1 + TABLE || data.len() - 1 - TABLE < count {
-        return Err(TOO_SHORT);
-    }
-    if data[0] != 0xE1 {
-        return Err("it does not begin as packed triangles of version 1 do");
-    }
-    let (codes, rest) = data[1..].split_at(count);
-    let (rest, table) = rest.split_at(rest.len() - TABLE);
+    let begins = (0xE1, "it does not begin as packed triangles of version 1 do");
+    let (body, table) = body_and_tail(data, begins, count, 16)?;
+    let (codes, rest) = body.split_at(count);
     let mut reader = Reader { data: rest, at: 0 };
     let (mut edges, mut vertices) = (Queue::<[u32; 2]>::default(), Queue::<u32>::default());
     let (mut next, mut last) = (0_u32, 0_u32);
@@ -311,14 +320,9 @@ fn triangles(data: &[u8], count: usize) -> Result<Vec<u32>, Problem> {
 
 /// So many indices, in any order.
 fn indices(data: &[u8], count: usize) -> Result<Vec<u32>, Problem> {
-    const TAIL: usize = 4;
-    if data.len() < 1 + TAIL || data.len() - 1 - TAIL < count {
-        return Err(TOO_SHORT);
-    }
-    if data[0] != 0xD1 {
-        return Err("it does not begin as packed indices of version 1 do");
-    }
-    let mut reader = Reader { data: &data[1..data.len() - TAIL], at: 0 };
+    let begins = (0xD1, "it does not begin as packed indices of version 1 do");
+    let (body, _) = body_and_tail(data, begins, count, 4)?;
+    let mut reader = Reader { data: body, at: 0 };
     let mut bases = [0_u32; 2];
     let mut index = || {
         let value = reader.number()?;

@@ -65,8 +65,7 @@ impl Meshes {
             return;
         }
         let data = mesh.data();
-        let positions: Vec<Vec3> =
-            (0..data.positions.len()).map(|vertex| mesh.shader_position(vertex as u32)).collect();
+        let positions = mesh.shader_positions();
         let attributes: Vec<Attributes> = (0..data.positions.len())
             .map(|i| Attributes {
                 normal: data.normals.get(i).copied().unwrap_or(Vec3::Y).to_array(),

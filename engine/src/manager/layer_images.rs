@@ -12,7 +12,7 @@ use super::assembly::{Assembly, engine_shader};
 use super::frame::{Planner, Seen};
 use super::layers::Receiving;
 use super::request::FrameError;
-use super::segments::Segment;
+use super::segments::{Part, Segment};
 use super::states::CLEAR_STENCIL;
 use crate::plan::{
     Access, Binding, BlendState, ColorTarget, CompareFunction, DepthTarget, Draw, DrawState, FactorAt,
@@ -101,21 +101,19 @@ impl Assembly<'_> {
         (segments, shadowed): (Vec<Segment>, bool),
         lights: &mut [LightPlanned],
     ) {
-        // By itself, or else as it is shaded: then it has one part.
-        let part = |segment: &Segment| segment.alone.as_ref().or(segment.shaded.first()).cloned();
         // A later light may count as well, whatever else it has.
-        let counts = |segment: &Segment| segment.claimed && part(segment).is_some_and(|part| part.counts);
+        let counts = |segment: &Segment| segment.claimed && segment.factor().is_some_and(|part| part.counts);
         let last = segments.iter().rposition(counts);
-        let claimed = segments.into_iter().zip(lights).enumerate().filter(|(_, (s, _))| s.claimed);
+        let claimed = segments.iter().zip(lights).enumerate().filter(|(_, (s, _))| s.claimed);
         for (index, (segment, light)) in claimed {
-            let part = part(&segment).filter(|_| shadowed);
-            let place = part.as_ref().map_or(FactorAt::Lit, |part| {
+            let part = segment.factor().filter(|_| shadowed);
+            let place = part.map_or(FactorAt::Lit, |part| {
                 self.passes_of(part, &light.name);
                 part.place()
             });
             let image = self.layer_factor_image((layer, triangles), &light.name, place);
             light.layer_factor_images.push(image);
-            if last.is_some_and(|last| last > index) && part.is_some_and(|part| part.is_counted()) {
+            if last.is_some_and(|last| last > index) && part.is_some_and(Part::is_counted) {
                 let forget = self.forget_counts(&light.name);
                 self.b.passes.push(forget);
             }

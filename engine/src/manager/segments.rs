@@ -102,6 +102,11 @@ impl VisibilityLayers {
 }
 
 impl Segment {
+    /// What leaves the light's factor by itself, or else as it is shaded: then it has one part.
+    pub(super) fn factor(&self) -> Option<&Part> {
+        self.alone.as_ref().or(self.shaded.first())
+    }
+
     /// Whether anything is drawn that may darken what is shaded.
     pub(super) fn draws(&self) -> bool {
         self.shaded.iter().flat_map(|part| &part.passes).any(|pass| !pass.draws.is_empty())
