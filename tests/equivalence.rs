@@ -108,7 +108,7 @@ fn every_option_gives_the_same_factors() {
             },
         ),
         ("closure=backfaces", ShadowVolumeHard { closure: Closure::Backfaces, ..auto }),
-        ("passes=single", ShadowVolumeHard { passes: Passes::SINGLE, ..auto }),
+        ("passes=single", ShadowVolumeHard { passes: Passes::Single, ..auto }),
         ("counter=float", ShadowVolumeHard { counter: CounterKind::Float, ..auto }),
         ("terminator=smooth", ShadowVolumeHard { terminator: Terminator::Smooth, ..auto }),
         (

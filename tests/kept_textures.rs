@@ -13,7 +13,7 @@ use shadowgraph::engine::plan::{
 };
 use shadowgraph::engine::scene::{Instance, ParamValue, Params};
 use shadowgraph::engine::shadow::{
-    Catalog, Channels, LightPlan, OptionError, ShadowError, ShadowTechnique, TechniqueEntry,
+    Catalog, Channels, LightPlan, OptionError, OptionTable, ShadowError, ShadowTechnique, TechniqueEntry,
 };
 use shadowgraph::prelude::*;
 
@@ -123,6 +123,7 @@ fn catalog() -> Catalog {
         summary: "a test",
         settings: &[],
         from_params: keeper,
+        options: OptionTable::none,
     });
     catalog
 }

@@ -15,7 +15,7 @@ use shadowgraph::engine::manager::{Adapter, FrameError};
 use shadowgraph::engine::plan::{FramePlan, SlotKind};
 use shadowgraph::engine::scene::{AlphaMode, Instance, ParamValue, Params};
 use shadowgraph::engine::shadow::{
-    Cache, Catalog, Layers, LightPlan, ShadowError, ShadowTechnique, TechniqueEntry,
+    Cache, Catalog, Layers, LightPlan, OptionTable, ShadowError, ShadowTechnique, TechniqueEntry,
 };
 use shadowgraph::measure::{
     ErrorTable, LayerEvaluation, LightQuery, LightSize, Reference, ReferenceShadow, Samples, SizedCasters,
@@ -63,12 +63,14 @@ fn catalog() -> Catalog {
         summary: "a test",
         settings: &[],
         from_params: |_| Ok(Arc::new(HardOnLayers(ShadowVolumeHard::default(), Layers::All))),
+        options: OptionTable::none,
     };
     catalog.register(entry);
     catalog.register(TechniqueEntry {
         type_name: "HardOnFirst",
         short_name: "on-first",
         from_params: |_| Ok(Arc::new(HardOnLayers(ShadowVolumeHard::default(), Layers::First))),
+        options: OptionTable::none,
         ..entry
     });
     catalog

@@ -112,7 +112,7 @@ fn remove(scene: &mut Scene, name: &str) {
 fn the_ordinary_reflection_written_out_is_the_ordinary_picture() {
     let Some(mut renderer) = common::renderer() else { return };
     let ordinary = function("ordinary", ORDINARY);
-    let single = ShadowVolumeHard { passes: Passes::Single { weight: 0.5 }, ..ShadowVolumeHard::default() };
+    let single = ShadowVolumeHard { passes: Passes::Single, weight: 0.5, ..ShadowVolumeHard::default() };
     for antialias in [Antialias::None, Antialias::Multisample4, Antialias::Supersample4] {
         for (lights, shadows) in
             [(1, ShadowVolumeHard::default()), (2, ShadowVolumeHard::default()), (2, single)]
@@ -245,6 +245,6 @@ fn plans_name_them() {
     assert!(plain.contains("the only light; 5 parts reflect by their own 'ordinary'"), "{plain}");
     assert!(!plain.contains("surface functions see"), "{plain}");
     let single =
-        text(ShadowVolumeHard { passes: Passes::Single { weight: 0.5 }, ..ShadowVolumeHard::default() });
+        text(ShadowVolumeHard { passes: Passes::Single, weight: 0.5, ..ShadowVolumeHard::default() });
     assert!(single.contains("surface functions see light 'lamp0' unshadowed"), "{single}");
 }

@@ -399,36 +399,6 @@ fn posed_light(scene: &Scene, node: shadowgraph_engine::scene::NodeKey) -> usize
     scene.pose().unwrap().lights.iter().position(|light| light.node == node).unwrap()
 }
 
-/// The schema of the glTF extension says the same as the reader.
-#[test]
-fn the_schema_lists_every_option_with_its_values_and_default() {
-    let text = include_str!("../assets/SHADOWGRAPH_shadow_node.schema.json");
-    let schema: serde_json::Value = serde_json::from_str(text).unwrap();
-    let options = schema["$defs"]["ShadowVolumeHard"]["properties"].as_object().unwrap();
-    let catalog = shadowgraph_nodes::catalog();
-    let entry = catalog.find("hard").unwrap();
-    let defaults = (entry.from_params)(&Default::default()).unwrap().params();
-    let listed: Vec<&str> = options.keys().map(String::as_str).filter(|name| *name != "weight").collect();
-    assert_eq!(listed, defaults.keys().map(String::as_str).collect::<Vec<_>>());
-    for (name, option) in options.iter().filter(|(name, _)| *name != "weight") {
-        assert_eq!(defaults[name], ParamValue::Text(option["default"].as_str().unwrap().into()));
-        let values: Vec<&str> =
-            option["enum"].as_array().unwrap().iter().filter_map(|v| v.as_str()).collect();
-        for value in &values {
-            let params = [(name.clone(), ParamValue::Text((*value).into()))].into();
-            assert!((entry.from_params)(&params).is_ok(), "{name}={value}");
-        }
-        let params = [(name.clone(), ParamValue::Text(String::new()))].into();
-        let error = (entry.from_params)(&params).unwrap_err().to_string();
-        assert!(error.ends_with(&values.join(", ")), "{error}");
-    }
-    let weight = &options["weight"];
-    assert_eq!([0, 1].map(f64::from), [&weight["minimum"], &weight["maximum"]].map(|n| n.as_f64().unwrap()));
-    let single = [("passes".to_owned(), ParamValue::Text("single".into()))].into();
-    let single = (entry.from_params)(&single).unwrap().params();
-    assert_eq!(single["weight"], ParamValue::Number(weight["default"].as_f64().unwrap()));
-}
-
 #[test]
 fn the_catalogs_settings_are_planned() {
     let catalog = shadowgraph_nodes::catalog();

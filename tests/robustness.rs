@@ -12,7 +12,9 @@ use shadowgraph::engine::gpu::{GpuError, Pixels};
 use shadowgraph::engine::manager::Frame;
 use shadowgraph::engine::plan::{CompareFunction, Draw, DrawState, Geometry, Pass, Shader};
 use shadowgraph::engine::scene::{Image, Params, TextureRef};
-use shadowgraph::engine::shadow::{Channels, LightPlan, ShadowError, ShadowTechnique, TechniqueEntry};
+use shadowgraph::engine::shadow::{
+    Channels, LightPlan, OptionTable, ShadowError, ShadowTechnique, TechniqueEntry,
+};
 use shadowgraph::prelude::*;
 
 fn scene() -> Scene {
@@ -250,6 +252,7 @@ macro_rules! painter {
             summary: "a test",
             settings: &[],
             from_params: |_| Ok(Arc::new(Painter { type_name: $name, source: $source, fragment: $fragment })),
+            options: OptionTable::none,
         }
     };
 }

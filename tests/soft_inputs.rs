@@ -13,7 +13,7 @@ use shadowgraph::engine::plan::{
 };
 use shadowgraph::engine::scene::{Instance, NodeKey, Params, ShadowFlags};
 use shadowgraph::engine::shadow::{
-    Catalog, Channels, LightPlan, ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
+    Catalog, Channels, LightPlan, OptionTable, ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
 };
 use shadowgraph::prelude::*;
 
@@ -99,12 +99,14 @@ fn catalog() -> Catalog {
         summary: "a test",
         settings: &[],
         from_params: |_| Ok(Arc::new(Facing { decides: true })),
+        options: OptionTable::none,
     };
     catalog.register(entry);
     catalog.register(TechniqueEntry {
         type_name: "FacingUndecided",
         short_name: "undecided",
         from_params: |_| Ok(Arc::new(Facing { decides: false })),
+        options: OptionTable::none,
         ..entry
     });
     catalog

@@ -78,8 +78,8 @@ fn check(filter: &str, nodes: &[ShadowVolumeSoft]) {
     assert!(failures.is_empty(), "{} fail:\n{}", failures.len(), failures.join("\n"));
 }
 
-fn sized(radius_m: f64, half_angle_deg: f64) -> ShadowVolumeSoft {
-    ShadowVolumeSoft { radius_m, half_angle_deg, ..ShadowVolumeSoft::default() }
+fn sized(radius_m: f64, angle_deg: f64) -> ShadowVolumeSoft {
+    ShadowVolumeSoft { radius_m, angle_deg, ..ShadowVolumeSoft::default() }
 }
 
 /// Conformance tries the default size: here is a light larger than many casters.

@@ -13,7 +13,7 @@ use shadowgraph::engine::plan::{
 };
 use shadowgraph::engine::scene::{Instance, Params};
 use shadowgraph::engine::shadow::{
-    Channels, LightPlan, ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
+    Channels, LightPlan, OptionTable, ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
 };
 use shadowgraph::prelude::*;
 
@@ -103,6 +103,7 @@ fn catalog() -> shadowgraph::engine::shadow::Catalog {
         summary: "a test",
         settings: &[],
         from_params: |_| Ok(Arc::new(Silhouettes)),
+        options: OptionTable::none,
     });
     catalog
 }

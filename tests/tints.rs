@@ -14,7 +14,8 @@ use shadowgraph::engine::plan::{
 };
 use shadowgraph::engine::scene::{Instance, ParamValue, Params, ShadowFlags};
 use shadowgraph::engine::shadow::{
-    Cache, Catalog, Channels, Features, LightPlan, OptionError, ShadowError, ShadowTechnique, TechniqueEntry,
+    Cache, Catalog, Channels, Features, LightPlan, OptionError, OptionTable, ShadowError, ShadowTechnique,
+    TechniqueEntry,
 };
 use shadowgraph::prelude::*;
 
@@ -137,6 +138,7 @@ fn catalog() -> Catalog {
         summary: "a test",
         settings: &[],
         from_params: mark,
+        options: OptionTable::none,
     });
     catalog
 }

@@ -144,8 +144,8 @@ impl Case {
     /// What the technique does not accept.
     pub fn scene_with(&self, technique: &TechniqueEntry, params: &Params) -> Result<Scene, OptionError> {
         let made = (technique.from_params)(params)?;
-        let known = made.params();
-        let own = self.options.iter().filter(|(name, _)| known.contains_key(*name));
+        let known = (technique.options)();
+        let own = self.options.iter().filter(|(name, _)| known.find(name).is_some());
         let own = own.map(|(name, value)| (name.clone(), value.clone()));
         let params: Params = params.clone().into_iter().chain(own).collect();
         let mut scene = self.scene.clone();

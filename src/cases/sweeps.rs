@@ -10,7 +10,6 @@
 use glam::{DAffine3, DVec3, Vec2};
 use shadowgraph_engine::geometry::MeshData;
 use shadowgraph_engine::geometry::shapes::{cuboid, plane, quad, torus_knot};
-use shadowgraph_engine::scene::Params;
 use shadowgraph_engine::shadow::TechniqueEntry;
 
 use super::stage::{Stage, at, p, v};
@@ -70,11 +69,7 @@ impl Sweep {
             .answers
             .iter()
             .any(|(name, answer)| *name == technique.type_name && matches!(answer, Answer::LeavesOut { .. }));
-        let has = |option| {
-            (technique.from_params)(&Params::new())
-                .is_ok_and(|technique| technique.params().contains_key(option))
-        };
-        !left && self.option.is_none_or(has)
+        !left && self.option.is_none_or(|option| (technique.options)().find(option).is_some())
     }
 }
 

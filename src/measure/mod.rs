@@ -56,5 +56,5 @@ pub use render::{
     ReferenceImage, SupersampledImage,
 };
 pub use shadowgraph_engine::shadow::{LightSize, disc_samples, light_samples};
-pub use technique::ReferenceShadow;
+pub use technique::{OnTransparent, ReferenceShadow};
 pub use verdict::{Verdict, expect_shadow};

@@ -3,89 +3,83 @@
 //! It plugs in like any other. Its plan traces the reference on the CPU and multiplies the result into the light's
 //! visibility, so `--technique reference` shows what every other technique is compared with.
 
-use std::sync::Arc;
-
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use shadowgraph_engine::plan::{
     Binding, BufferUsage, CompareFunction, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader,
 };
-use shadowgraph_engine::scene::{Instance, ParamValue, Params};
+use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
-    Channels, Layers, LightPlan, LightSize, MAX_LIGHT_SAMPLES, OptionReader, ShadowError, ShadowTechnique,
-    TechniqueEntry, hash_of,
+    Channels, Layers, LightPlan, LightSize, MAX_ANGLE_DEG, MAX_LIGHT_SAMPLES, MAX_RADIUS_M, Options,
+    ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
 };
 
 use super::{LightQuery, Reference, Samples, SizedCasters};
 
 /// Exact shadows, traced on the CPU for every pixel: seconds for a frame.
 ///
-/// A light is as large as `radius` (metres, point and spot lights) and `angle` (half-angle in degrees, directional
-/// lights) say; then its factor is the visible share of `samples` of [`light_samples`](super::light_samples).
-/// `selfShadow` says on which transparent surfaces shadows fall.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A light with a size has the visible share of `samples` of [`light_samples`](super::light_samples) as its factor.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct ReferenceShadow {
-    radius_m: f64,
-    angle_deg: f64,
-    samples: u32,
+    /// The radius of point and spot lights, in metres; 0 for hard shadows.
+    #[serde(rename = "radius")]
+    #[schemars(range(min = 0.0, max = MAX_RADIUS_M))]
+    pub radius_m: f64,
+    /// Half the angle under which a directional light is seen, in degrees; 0 for hard shadows.
+    #[serde(rename = "angle")]
+    #[schemars(range(min = 0.0, max = MAX_ANGLE_DEG))]
+    pub angle_deg: f64,
+    /// Samples of a light that has a size.
+    #[schemars(range(min = 1, max = MAX_LIGHT_SAMPLES))]
+    pub samples: u32,
     /// On which transparent surfaces its shadows fall; each layer is traced by itself.
-    self_shadow: Layers,
+    pub self_shadow: OnTransparent,
+}
+
+/// On which transparent surfaces shadows fall.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum OnTransparent {
+    /// On none: they are drawn as if lit.
+    #[default]
+    None,
+    /// On the nearest at each pixel.
+    Partial,
+    /// On all.
+    Full,
 }
 
 impl Default for ReferenceShadow {
     fn default() -> Self {
-        Self { radius_m: 0.0, angle_deg: 0.0, samples: 64, self_shadow: Layers::OpaqueOnly }
+        Self { radius_m: 0.0, angle_deg: 0.0, samples: 64, self_shadow: OnTransparent::None }
     }
 }
 
-/// The values of `selfShadow`, the first is the default.
-const SELF_SHADOW: [(&str, Layers); 3] =
-    [("none", Layers::OpaqueOnly), ("partial", Layers::First), ("full", Layers::All)];
-
-const TYPE_NAME: &str = "Reference";
+impl Options for ReferenceShadow {
+    const TYPE_NAME: &'static str = "Reference";
+}
 
 impl ReferenceShadow {
     /// How a catalog knows it.
-    pub const ENTRY: TechniqueEntry = TechniqueEntry {
-        type_name: TYPE_NAME,
-        short_name: "reference",
-        summary: "exact shadows, hard or of a light with a size, traced on the CPU",
-        from_params: |params| {
-            let mut options = OptionReader::new(TYPE_NAME, params);
-            let default = Self::default();
-            let most = f64::from(MAX_LIGHT_SAMPLES);
-            let technique = Self {
-                radius_m: options.number("radius", default.radius_m, 0.0, 1e9)?,
-                angle_deg: options.number("angle", default.angle_deg, 0.0, 89.0)?,
-                samples: options.number("samples", f64::from(default.samples), 1.0, most)? as u32,
-                self_shadow: options.choice("selfShadow", &SELF_SHADOW)?,
-            };
-            if matches!(params.get("samples"), Some(ParamValue::Number(count)) if count.fract() != 0.0) {
-                return Err(options.conflict("samples", &format!("a whole number from 1 to {most}")));
-            }
-            options.finish()?;
-            Ok(Arc::new(technique))
-        },
-        settings: &[],
-    };
+    pub const ENTRY: TechniqueEntry = TechniqueEntry::of::<Self>(
+        "reference",
+        "exact shadows, hard or of a light with a size, traced on the CPU",
+        &[],
+    );
 }
 
 impl ShadowTechnique for ReferenceShadow {
     fn type_name(&self) -> &'static str {
-        TYPE_NAME
+        Self::TYPE_NAME
     }
 
     fn params(&self) -> Params {
-        let name = SELF_SHADOW.iter().find(|(_, layers)| *layers == self.self_shadow);
-        let self_shadow = name.map_or("none", |(name, _)| *name);
-        Params::from([
-            ("radius".into(), ParamValue::Number(self.radius_m)),
-            ("angle".into(), ParamValue::Number(self.angle_deg)),
-            ("samples".into(), ParamValue::Number(self.samples.into())),
-            ("selfShadow".into(), ParamValue::Text(self_shadow.into())),
-        ])
+        self.to_params()
     }
 
     fn light_size(&self) -> LightSize {
-        LightSize { radius_m: self.radius_m, half_angle_rad: self.angle_deg.to_radians() }
+        LightSize::new(self.radius_m, self.angle_deg)
     }
 
     fn light_sample_count(&self) -> Option<u32> {
@@ -105,7 +99,11 @@ impl ShadowTechnique for ReferenceShadow {
     }
 
     fn receiver_layers(&self) -> Layers {
-        self.self_shadow
+        match self.self_shadow {
+            OnTransparent::None => Layers::OpaqueOnly,
+            OnTransparent::Partial => Layers::First,
+            OnTransparent::Full => Layers::All,
+        }
     }
 
     fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
@@ -159,7 +157,7 @@ impl ShadowTechnique for ReferenceShadow {
             light.decides_own_shadow();
         }
         let text = include_str!("technique.wgsl");
-        let source = shadowgraph_shaders::compose(TYPE_NAME, text, flags)
+        let source = shadowgraph_shaders::compose(Self::TYPE_NAME, text, flags)
             .map_err(|error| light.unsupported(error.to_string()))?;
         light.pass(Pass {
             name: format!("reference of {name}"),
@@ -169,7 +167,7 @@ impl ShadowTechnique for ReferenceShadow {
             draws: vec![Draw {
                 name: "every pixel".into(),
                 shader: Some(Shader {
-                    name: TYPE_NAME.into(),
+                    name: Self::TYPE_NAME.into(),
                     source: source.into(),
                     vertex: "fullscreen_vertex".into(),
                     fragment: Some("traced".into()),

@@ -13,7 +13,7 @@ use shadowgraph_engine::scene::{
     ShadowFlags, ShadowNode,
 };
 use shadowgraph_engine::shadow::{
-    Cache, Catalog, Channels, LightPlan, Registry, ShadowError, ShadowTechnique, TechniqueEntry,
+    Cache, Catalog, Channels, LightPlan, OptionTable, Registry, ShadowError, ShadowTechnique, TechniqueEntry,
 };
 use shadowgraph_nodes::ShadowVolumeHard;
 use shadowgraph_nodes::common::volume::VolumeUniform;
@@ -187,6 +187,7 @@ impl Veil {
         short_name: "veil",
         summary: "leaves the factor in a visibility target",
         from_params: |_| Ok(Arc::new(Self)),
+        options: OptionTable::none,
         settings: &[],
     };
 }

@@ -12,6 +12,7 @@ const FLOAT: ShadowVolumeHard = ShadowVolumeHard {
     geometry: GeometryMode::Auto,
     closure: Closure::None,
     passes: Passes::Multi,
+    weight: 0.5,
     extrusion: Extrusion::Auto,
     counter: CounterKind::Float,
     terminator: Terminator::Geometric,

@@ -24,7 +24,7 @@ fn between_two_lamps() -> Scene {
 const WEIGHT: f64 = 0.5;
 
 fn single(weight: f64) -> ShadowVolumeHard {
-    ShadowVolumeHard { passes: Passes::Single { weight }, ..Default::default() }
+    ShadowVolumeHard { passes: Passes::Single, weight, ..Default::default() }
 }
 
 /// Linear radiance, and every light's factor.
