@@ -174,6 +174,9 @@ fn take_light(in: SoftVaryings) {
 
 // How many ulps the receiver's depth may be off: below the 64 that measures allow for.
 const DEPTH_ULPS: u32 = 48u;
+// And an orthographic depth, which is a difference of two numbers up to 1 whatever its own size: twelve roundings of 1, below the
+// sixteen that measures allow for.
+const ORTHOGRAPHIC_LOSS: f32 = 7.152557e-7;
 // A rasteriser evaluates depth as a plane over the target: it loses some roundings of the largest depth that this plane has
 // there. So many times one's own it may be before more ulps than DEPTH_ULPS are lost.
 const STEEPEST_DEPTH: f32 = 16.0;
@@ -204,10 +207,9 @@ fn world_from_view(d: vec3f) -> vec3f {
 
 // The visible point `ulps` ulps of depth nearer to the horizon, from the eye, in view space.
 fn deeper(pixel: vec2f, depth: f32) -> vec3f {
-    // Orthographic depth is a difference of two numbers around 1: an ulp is one of 1.
     let ulps = min(DEPTH_ULPS, bitcast<u32>(depth) - 1u);
     let ulps_deeper = bitcast<f32>(bitcast<u32>(depth) - ulps);
-    return view_from_pixel(pixel, select(depth - f32(DEPTH_ULPS) * 1.1920929e-7, ulps_deeper, frame.eye_w > 0.0));
+    return view_from_pixel(pixel, select(depth - ORTHOGRAPHIC_LOSS, ulps_deeper, frame.eye_w > 0.0));
 }
 
 // The point that depth says, so many times as far from the eye.
