@@ -35,9 +35,10 @@ pub fn plan_frame(
     }
     surface_functions::check(posed)?;
     let size_px = drawn_size_px(request, adapter)?;
-    let frustum = request.camera.frustum(size_px);
+    let camera = request.camera.fitted_to(&posed.world_bounds);
+    let frustum = camera.frustum(size_px);
     let view = View {
-        camera: request.camera.clone(),
+        camera,
         size_px,
         receiver_bounds: receiver_bounds(posed, &frustum),
         frustum,
