@@ -29,7 +29,7 @@ fn renderer() -> Option<Renderer> {
 #[test]
 fn every_technique_does_on_every_case_what_it_declares() {
     let filter = std::env::var("CASE").unwrap_or_default();
-    let cases = cases::all().into_iter().flat_map(|entry| entry.build());
+    let cases = cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST));
     let cases: Vec<Case> = cases.filter(|case| case.name().contains(&filter)).collect();
     assert!(!cases.is_empty(), "no case is called '{filter}'");
     let mut failures = Vec::new();
@@ -94,8 +94,12 @@ fn every_row_belongs_to_a_technique() {
     );
     let unique: std::collections::HashSet<_> = listed.iter().collect();
     assert_eq!(unique.len(), listed.len(), "a row is there twice");
-    let names = cases::all().into_iter().flat_map(|entry| entry.build()).map(|case| case.name());
-    let steps = sweeps::all().into_iter().flat_map(|sweep| sweep.steps()).map(|(_, case)| case.name());
+    let names =
+        cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST)).map(|case| case.name());
+    let steps = sweeps::all()
+        .into_iter()
+        .flat_map(|sweep| sweep.steps(&shadowgraph::CAST))
+        .map(|(_, case)| case.name());
     let names: Vec<_> = names.chain(steps).collect();
     for (case, _) in ROWS.iter().flat_map(|row| row.exceptions()) {
         let found = names.iter().any(|name| name == case || name.starts_with(&format!("{case}/")));

@@ -15,7 +15,7 @@ use shadowgraph::prelude::*;
 /// Every case that default options accept.
 fn accepted(renderer: &mut Renderer) -> Vec<Case> {
     let filter = std::env::var("CASE").unwrap_or_default();
-    let cases = cases::all().into_iter().flat_map(|entry| entry.build());
+    let cases = cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST));
     let mut cases: Vec<Case> = cases.filter(|case| case.name().contains(&filter)).collect();
     cases.retain(|case| match renderer.plan(&case.scene, &request(case)) {
         Ok(_) => true,

@@ -133,7 +133,7 @@ fn surfaces_on(scene: &Scene, request: &FrameRequest, layer: u32) -> usize {
 }
 
 fn glass_case(name: &str) -> Case {
-    let cases = cases::all().into_iter().flat_map(|entry| entry.build());
+    let cases = cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST));
     cases.into_iter().find(|case| case.name() == name).unwrap_or_else(|| panic!("no case '{name}'"))
 }
 

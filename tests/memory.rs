@@ -41,7 +41,8 @@ fn a_frame_like_the_one_before_takes_no_more_memory() {
     catalog.register(ReferenceShadow::ENTRY);
     let entries = catalog.entries().to_vec();
     let mut renderer = Renderer::new(renderer.gpu().clone(), catalog);
-    let cases: Vec<Case> = cases::all().into_iter().flat_map(|entry| entry.build()).collect();
+    let cases: Vec<Case> =
+        cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST)).collect();
     let mut growing = Vec::new();
     for name in CASES {
         let case = cases.iter().find(|case| case.name().starts_with(name));

@@ -10,7 +10,7 @@ mod own_technique;
 use common::conformance::try_all;
 use common::tolerances::{Bound, Row, Tolerance};
 use own_technique::{DiscShadow, catalog, disc_mesh};
-use shadowgraph::cases::{self, Case, Expect};
+use shadowgraph::cases::{self, About, Case, Expect};
 use shadowgraph::engine::manager::{Adapter, FrameError, plan_frame};
 use shadowgraph::engine::math::Projection;
 use shadowgraph::engine::plan::{FactorAt, FramePlan, SlotKind, TextureFormat};
@@ -397,7 +397,7 @@ fn own_case() -> Case {
         size_px: [256, 256],
         antialias: Default::default(),
         options: Default::default(),
-        answers: &[],
+        about: About::Anything,
         expect: Expect::Shadow,
         probes: vec![],
     }
@@ -409,7 +409,7 @@ fn it_conforms_by_rows_of_its_own() {
     let mut alone = Catalog::new();
     alone.register(DiscShadow::ENTRY);
     let mut renderer = Renderer::new(renderer.gpu().clone(), alone);
-    let library = cases::all().into_iter().step_by(10).flat_map(|entry| entry.build());
+    let library = cases::all().into_iter().step_by(10).flat_map(|entry| entry.build(&shadowgraph::CAST));
     let trials: Vec<_> =
         library.chain([own_case()]).flat_map(|case| try_all(&mut renderer, &case, ROWS)).collect();
     let complaints: Vec<_> =

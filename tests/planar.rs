@@ -31,7 +31,7 @@ fn is_soft(case: &Case) -> bool {
 
 /// Every case whose name contains one of `names`.
 fn all_cases(names: &[&str]) -> impl Iterator<Item = Case> {
-    let all = cases::all().into_iter().flat_map(|entry| entry.build());
+    let all = cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST));
     all.filter(|case| names.iter().any(|name| case.name().contains(name)))
 }
 

@@ -17,7 +17,7 @@ use shadowgraph::measure::{
 const SIZE_PX: [u32; 2] = [96, 96];
 
 fn case(name: &str) -> Case {
-    let cases = cases::all().into_iter().flat_map(|entry| entry.build());
+    let cases = cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST));
     cases.into_iter().find(|case| case.name() == name).unwrap_or_else(|| panic!("no case is called '{name}'"))
 }
 
@@ -311,7 +311,7 @@ fn the_whole_table_is_traced_in_minutes() {
     let size = LightSize { radius_m: 0.2, half_angle_rad: 1_f64.to_radians() };
     let start = std::time::Instant::now();
     let (mut variants, mut slowest) = (0, Vec::new());
-    for case in cases::all().into_iter().flat_map(|entry| entry.build()) {
+    for case in cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST)) {
         let posed = case.scene.pose().unwrap();
         let start = std::time::Instant::now();
         let lights = (0..posed.lights.len())

@@ -55,8 +55,9 @@ fn hand_made_answers_are_its_own() {
         let posed = case.scene.pose().unwrap();
         posed.instances.iter().flat_map(|i| &i.materials).any(|material| material.is_transparent())
     };
-    let cases = cases::all().into_iter().flat_map(|entry| entry.build());
-    let steps = sweeps::all().into_iter().flat_map(|sweep| sweep.steps()).map(|(_, case)| case);
+    let cases = cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST));
+    let steps =
+        sweeps::all().into_iter().flat_map(|sweep| sweep.steps(&shadowgraph::CAST)).map(|(_, case)| case);
     // Points of lights with a size are judged elsewhere: here every light is its centre.
     let is_hard = |case: &Case| LightSize::of(&case.options) == LightSize::NONE;
     let cases: Vec<Case> = cases.chain(steps).filter(transparent).filter(is_hard).collect();

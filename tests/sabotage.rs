@@ -91,8 +91,11 @@ fn trials(entry: TechniqueEntry, ids: &[&str]) -> Option<Vec<Trial>> {
     let mut catalog = Catalog::new();
     catalog.register(entry);
     let mut renderer = Renderer::new(common::renderer()?.gpu().clone(), catalog);
-    let cases: Vec<_> =
-        cases::all().iter().filter(|entry| ids.contains(&entry.id)).flat_map(|entry| entry.build()).collect();
+    let cases: Vec<_> = cases::all()
+        .iter()
+        .filter(|entry| ids.contains(&entry.id))
+        .flat_map(|entry| entry.build(&shadowgraph::CAST))
+        .collect();
     assert!(
         ids.iter().all(|id| cases.iter().any(|case| case.id == *id)),
         "not every case of {ids:?} is there"
@@ -288,7 +291,7 @@ fn a_horizon_that_only_casters_bring() {
 fn a_technique_without_a_row() {
     let Some(renderer) = common::renderer() else { return };
     let mut renderer = Renderer::new(renderer.gpu().clone(), shadowgraph_nodes::catalog());
-    let case = cases::all().iter().flat_map(|entry| entry.build()).next().unwrap();
+    let case = cases::all().iter().flat_map(|entry| entry.build(&shadowgraph::CAST)).next().unwrap();
     let without: Vec<_> = ROWS.iter().copied().filter(|row| row.setting != "z-fail").collect();
     let red = try_all(&mut renderer, &case, &without).into_iter().filter(|trial| trial.complaint.is_some());
     let red: Vec<_> = red.map(|trial| (trial.setting, trial.complaint.unwrap())).collect();

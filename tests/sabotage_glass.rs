@@ -67,7 +67,7 @@ fn wrong(from_params: TechniqueFromParams, ids: &[&str]) -> Option<[usize; 2]> {
     let mut renderer = Renderer::new(common::renderer()?.gpu().clone(), catalog);
     let cases = cases::all().into_iter().filter(|entry| ids.contains(&entry.id));
     let mut wrong = [0, 0];
-    for case in cases.flat_map(|entry| entry.build()) {
+    for case in cases.flat_map(|entry| entry.build(&shadowgraph::CAST)) {
         let scene = case.scene_with(&entry, &Params::new()).unwrap();
         let request = case.request();
         let opaque = evaluate(&mut renderer, &scene, &request, &|_, _| {}).unwrap();

@@ -23,7 +23,7 @@ fn judge(
     let params = ShadowNode::from(node).params;
     let only = std::env::var("CASE").unwrap_or_default();
     let (mut penumbra, mut accepted) = (0, 0);
-    let cases = cases::all().into_iter().flat_map(|entry| entry.build());
+    let cases = cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST));
     let named = |case: &Case| case.name().contains(filter) && case.name().contains(&only);
     // The conformance test has every case with the default size; of all of them, every third is enough here. `CASE=` or
     // `EVERY_CASE=1` tries all.

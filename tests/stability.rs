@@ -49,7 +49,8 @@ fn every_sweep_is_right_at_every_step() {
     assert!(!sweeps.is_empty(), "no sweep is called '{filter}' and concerns a technique");
     let mut failures = Vec::new();
     let mut seen = vec![0; KNOWN.len()];
-    let steps: Vec<Case> = sweeps.iter().flat_map(Sweep::steps).map(|(_, case)| case).collect();
+    let steps: Vec<Case> =
+        sweeps.iter().flat_map(|sweep| sweep.steps(&shadowgraph::CAST)).map(|(_, case)| case).collect();
     let judged = with_two_renderers(common::renderer, &steps, |renderer, case| {
         let outcome = |trial: Trial| {
             dump(&trial);
@@ -92,7 +93,7 @@ fn sweeps_of_a_lights_size_are_right_at_every_step_for_the_reference() {
     for sweep in sweeps::all().into_iter().filter(|sweep| sweep.option.is_some()) {
         assert!(sweep.concerns(&ReferenceShadow::ENTRY), "{}", sweep.id);
         let mut penumbrae = 0;
-        for (value, case) in sweep.steps() {
+        for (value, case) in sweep.steps(&shadowgraph::CAST) {
             for trial in try_all(&mut renderer, &case, ROWS) {
                 println!("{:<58} {}", trial.name(), row(&trial));
                 assert_eq!(trial.complaint, None, "{}", trial.name());
@@ -125,7 +126,7 @@ fn what_f32_can_hold_is_drawn_anywhere_as_at_the_origin() {
     let Some(mut renderer) = common::renderer() else { return };
     for (sweep, same_up_to) in [("offset-by-node", 1e7), ("offset-exact", 1e7), ("offset-rounded", 1e6)] {
         let sweep = sweeps::all().into_iter().find(|candidate| candidate.id == sweep).unwrap();
-        let steps = sweep.steps();
+        let steps = sweep.steps(&shadowgraph::CAST);
         let near = factors(&mut renderer, &steps[0].1);
         for (value, case) in steps {
             let far = factors(&mut renderer, &case);

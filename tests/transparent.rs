@@ -70,10 +70,12 @@ fn glass_cases() -> Vec<Case> {
         "opaque-behind-glass",
         "count-figure",
     ];
-    let hard =
-        cases::all().into_iter().filter(|entry| ids.contains(&entry.id)).flat_map(|entry| entry.build());
+    let hard = cases::all()
+        .into_iter()
+        .filter(|entry| ids.contains(&entry.id))
+        .flat_map(|entry| entry.build(&shadowgraph::CAST));
     let steps = sweeps::all().into_iter().filter(|sweep| sweep.id.starts_with("glass-"));
-    hard.chain(steps.flat_map(|sweep| sweep.steps()).map(|(_, case)| case)).collect()
+    hard.chain(steps.flat_map(|sweep| sweep.steps(&shadowgraph::CAST)).map(|(_, case)| case)).collect()
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use shadowgraph::cases::{Answer, Case, Expect};
+use shadowgraph::cases::{Case, Expect};
 use shadowgraph::engine::shadow::{Setting, ShadowError, TechniqueEntry};
 use shadowgraph::measure::{
     ErrorTable, EvaluateError, Evaluation, KnownReferences, LightError, evaluate_again, pictures,
@@ -30,6 +30,15 @@ impl Trial {
     pub(crate) fn name(&self) -> String {
         format!("{} ({}) on {}", self.technique, self.setting, self.case)
     }
+}
+
+/// What a technique says about a case before it is tried.
+#[derive(Clone, Copy)]
+struct Claims {
+    /// It shades the receivers that it accepts, and there may be none.
+    receivers_only: bool,
+    /// What the case is about casts nothing through it.
+    leaves_out: bool,
 }
 
 /// So many samples stand for a whole light here: an edge is then off by a share of 0.003 at most, which is well below any
@@ -102,14 +111,18 @@ fn try_one(
             return trial;
         }
     };
-    let receivers_only = (entry.from_params)(&(setting.params)()).is_ok_and(|t| t.shades_receivers_only());
+    let made = (entry.from_params)(&(setting.params)()).ok();
+    let claims = Claims {
+        receivers_only: made.as_ref().is_some_and(|technique| technique.shades_receivers_only()),
+        leaves_out: made.is_some_and(|technique| case.is_left_out_by(technique.as_ref())),
+    };
     let request = case.request();
     let result = match found_already(renderer, &scene, &request, trials) {
         Some(evaluation) => Ok(evaluation),
         None => evaluate_again(renderer, &scene, &request, references, &|_, _| {}),
     };
     trial.accepted = result.is_ok();
-    trial.complaint = complaint(case, &result, row, receivers_only).map(|complaint| match setting.name {
+    trial.complaint = complaint(case, &result, row, claims).map(|complaint| match setting.name {
         "default" => complaint,
         _ => format!("{complaint} [{}]", setting.why),
     });
@@ -126,33 +139,26 @@ fn complaint(
     case: &Case,
     result: &Result<Evaluation, EvaluateError>,
     row: &Row,
-    receivers_only: bool,
+    claims: Claims,
 ) -> Option<String> {
-    let answer = case.answer(row.technique);
-    let owed = match (answer, &case.expect) {
-        (Answer::Refuses { .. }, _) | (_, Expect::Refused { .. }) => Tolerance::Refused,
+    let owed = match &case.expect {
+        Expect::Refused { .. } => Tolerance::Refused,
         _ => row.on(case.id, &case.name()),
     };
-    // What a case declares and what the table allows must be the same thing.
-    if matches!(answer, Answer::Approximates { .. }) != matches!(owed, Tolerance::Within(_))
-        && matches!(answer, Answer::Approximates { .. })
-    {
-        return Some("the case calls it an approximation, and the table of tolerances has no bound".into());
-    }
     let evaluation = match (result, owed) {
         (Ok(_), Tolerance::Refused) => return Some("drew something, but should refuse".into()),
         (Ok(evaluation), _) => evaluation,
         (Err(error), Tolerance::Refused | Tolerance::ExactWhereAccepted) if is_refusal(error) => return None,
         (Err(EvaluateError::Render(RenderError::Shadow(ShadowError::ReceiverRefused { .. }))), _)
-            if receivers_only =>
+            if claims.receivers_only =>
         {
             return None;
         }
         (Err(error), _) => return Some(format!("failed: {error}")),
     };
-    let wrong = evaluation.errors.iter().filter_map(|error| match receivers_only {
+    let wrong = evaluation.errors.iter().filter_map(|error| match claims.receivers_only {
         true if error.compared == 0 => None,
-        _ => complaint_about(case, error, (answer, receivers_only), owed),
+        _ => complaint_about(case, error, claims, owed),
     });
     let wrong: Vec<String> = wrong.collect();
     (!wrong.is_empty()).then(|| wrong.join("\n"))
@@ -163,12 +169,7 @@ fn is_refusal(error: &EvaluateError) -> bool {
     matches!(error, EvaluateError::Render(RenderError::Shadow(_) | RenderError::Frame(_)))
 }
 
-fn complaint_about(
-    case: &Case,
-    error: &LightError,
-    (answer, receivers_only): (Answer, bool),
-    owed: Tolerance,
-) -> Option<String> {
+fn complaint_about(case: &Case, error: &LightError, claims: Claims, owed: Tolerance) -> Option<String> {
     let name = &error.name;
     // Where nothing is visible there is nothing to compare, and only then.
     if case.expect == Expect::NoShadow && error.hit_pixels == 0 {
@@ -191,7 +192,7 @@ fn complaint_about(
         let table = ErrorTable(std::slice::from_ref(error)).to_string();
         return Some(format!("{name}: {leaks} leaks and {dark} false shadows outside the band\n{table}"));
     }
-    if matches!(answer, Answer::LeavesOut { .. }) || receivers_only {
+    if claims.leaves_out || claims.receivers_only {
         return None;
     }
     // What a case expects is said of points: a light with a size has its penumbra, and may see what its centre does not.

@@ -28,7 +28,7 @@ fn with_float(scene: &Scene, depth_test: DepthTest) -> Scene {
 #[test]
 fn any_number_of_layers_is_counted_exactly() {
     let Some(mut renderer) = common::renderer() else { return };
-    let stacks = cases::all().into_iter().flat_map(|entry| entry.build());
+    let stacks = cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST));
     let mut formats = Vec::new();
     let mut judged = 0;
     for case in stacks.filter(|case| case.id.starts_with("overlap") || case.id == "nested-shells") {

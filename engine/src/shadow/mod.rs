@@ -12,6 +12,7 @@ mod error;
 mod light_plan;
 mod light_samples;
 mod options;
+mod receivers;
 mod registry;
 
 pub use area_light::{LightDisc, LightSize, MAX_ANGLE_DEG, MAX_RADIUS_M, disc_samples};
@@ -22,6 +23,7 @@ pub(crate) use light_plan::Darkening;
 pub use light_plan::{Channels, LightPlan, MAX_SMOOTH_LIGHTS, View};
 pub use light_samples::{MAX_LIGHT_SAMPLES, light_samples};
 pub use options::{Accepts, Clash, OptionError, OptionSpec, OptionTable, Options, Word, extension_schema};
+pub use receivers::receivers_for;
 pub use registry::{Claim, Registry};
 /// What an adapter can do beyond the basics.
 pub use wgpu::Features;
