@@ -13,6 +13,7 @@ mod antialias;
 mod confined;
 mod conformance;
 mod equivalence;
+mod first_picture;
 mod hard_options;
 mod kept_textures;
 mod known;

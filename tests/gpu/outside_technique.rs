@@ -36,7 +36,7 @@ fn tilted(at: DVec3, around_x_rad: f64, around_z_rad: f64) -> DAffine3 {
 
 fn stage() -> Stage {
     let mut scene = Scene::new();
-    add(&mut scene, shapes::plane(glam::Vec2::splat(12.0)).named("floor"), DAffine3::IDENTITY);
+    add(&mut scene, shapes::plane(Vec2::splat(12.0)).named("floor"), DAffine3::IDENTITY);
     let wall = shapes::cuboid(Vec3::new(-6.0, 0.0, -4.5), Vec3::new(6.0, 4.0, -4.0));
     add(&mut scene, wall.named("wall"), DAffine3::IDENTITY);
     let discs = vec![
@@ -128,7 +128,7 @@ fn a_disc_far_from_the_origin_neither_shadows_itself_nor_shifts() {
     let Some(mut renderer) = renderer() else { return };
     let far = DVec3::new(40_000.0, 800.0, -25_000.0);
     let mut scene = Scene::new();
-    let floor = shapes::plane(glam::Vec2::splat(12.0)).named("floor");
+    let floor = shapes::plane(Vec2::splat(12.0)).named("floor");
     add(&mut scene, floor, DAffine3::from_translation(far));
     let disc = add(&mut scene, disc_mesh("plate", 0.9, 512), tilted(far + DVec3::Y, 0.5, 0.3));
     scene.add_light(Light::point("lamp", 40.0), far + DVec3::new(-2.0, 4.5, 2.5), far);
@@ -164,7 +164,7 @@ fn alone_it_needs_a_visibility_target_and_no_stencil() {
 #[test]
 fn what_no_disc_can_shadow_costs_nothing() {
     let mut scene = Scene::new();
-    add(&mut scene, shapes::plane(glam::Vec2::splat(12.0)).named("floor"), DAffine3::IDENTITY);
+    add(&mut scene, shapes::plane(Vec2::splat(12.0)).named("floor"), DAffine3::IDENTITY);
     // The lamp's light ends before it reaches the disc.
     let disc = add(&mut scene, disc_mesh("plate", 0.5, 64), DAffine3::from_translation(DVec3::Y * 12.0));
     let light = Light::point("lamp", 40.0).with_range(6.0);
@@ -320,7 +320,7 @@ fn what_is_no_disc_is_refused_by_name_and_with_the_reason() {
         (half, moved, "cover 50.0 %"),
         (arc, moved, "leaves out"),
         (disc_mesh("thing", 1.0, 12), moved, "leaves out 30.0 degrees"),
-        (shapes::plane(glam::Vec2::ONE), moved, "leaves out 90.0 degrees"),
+        (shapes::plane(Vec2::ONE), moved, "leaves out 90.0 degrees"),
         (disc(), stretched, "neither 0 nor the radius"),
         (disc(), flattened, "no area"),
     ];

@@ -306,6 +306,12 @@ impl Scene {
         self.add(None, &name, look_at(position, target), Content::Light(key))
     }
 
+    /// Adds a light at the root that shines alike into all directions and so needs no target. One that has a direction shines
+    /// along −z; [`Scene::add_light`] turns it.
+    pub fn add_lamp(&mut self, light: Light, position: DVec3) -> NodeKey {
+        self.add_light(light, position, position - DVec3::Z)
+    }
+
     /// Adds a camera at the root, at `eye` and looking at `target`.
     pub fn add_camera(&mut self, camera: Camera, eye: DVec3, target: DVec3) -> NodeKey {
         let name = camera.name.clone();
