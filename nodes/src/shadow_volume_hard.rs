@@ -390,7 +390,8 @@ impl ShadowVolumeHard {
 
 /// Why a caster's terminator stays where its triangles turn away.
 const CASTS_OPEN: &str = "terminator=smooth leaves it as it is: it does not cast as a solid (open, or light or eye within its bounds)";
-const LIGHT_HAS_SIZE: &str = "terminator=smooth leaves it as it is: another node takes the light to have a size";
+const LIGHT_HAS_SIZE: &str =
+    "terminator=smooth leaves it as it is: another node takes the light to have a size";
 const TOO_MANY_LIGHTS: &str =
     "terminator=smooth leaves it as it is: only the first 32 lights of a scene can have smooth terminators";
 

@@ -37,12 +37,7 @@ pub fn plan_frame(
     let size_px = drawn_size_px(request, adapter)?;
     let camera = request.camera.fitted_to(&posed.world_bounds);
     let frustum = camera.frustum(size_px);
-    let view = View {
-        camera,
-        size_px,
-        receiver_bounds: receiver_bounds(posed, &frustum),
-        frustum,
-    };
+    let view = View { camera, size_px, receiver_bounds: receiver_bounds(posed, &frustum), frustum };
     let surfaces = Surfaces::of(posed, &view);
     let mut b = PlanBuilder::new(size_px);
     b.notes.clone_from(&registry.notes);
