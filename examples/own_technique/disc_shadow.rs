@@ -16,54 +16,46 @@ use std::mem::offset_of;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use shadowgraph::engine::plan::{
     Binding, BufferUsage, CompareFunction, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader,
 };
-use shadowgraph::engine::scene::{Instance, ParamValue, Params, ShadowNode};
+use shadowgraph::engine::scene::{Instance, Params};
 use shadowgraph::engine::shadow::{
-    Channels, LightPlan, OptionError, OptionReader, Setting, ShadowError, ShadowTechnique, TechniqueEntry,
-    hash_of,
+    Channels, LightPlan, Options, Setting, ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
 };
 
 use super::disc::{Disc, NoDisc};
 
-const TYPE_NAME: &str = "DiscShadow";
 /// The shader as it is written; its imports are the engine's.
 pub(crate) const SHADER: &str = include_str!("disc_shadow.wgsl");
 
-/// The node and its options.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The node and its options: what a scene may say of them, and what they are when it does not, is all declared here.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub(crate) struct DiscShadow {
     /// How wide the rim fades from dark to lit, measured in the disc's plane, in metres; 0 for a hard rim.
+    #[serde(rename = "edge")]
+    #[schemars(range(min = 0.0, max = 1e6))]
     pub(crate) edge_m: f64,
+}
+
+impl Options for DiscShadow {
+    const TYPE_NAME: &'static str = "DiscShadow";
 }
 
 impl DiscShadow {
     /// How the catalog knows it.
-    pub(crate) const ENTRY: TechniqueEntry = TechniqueEntry {
-        type_name: TYPE_NAME,
-        short_name: "disc",
-        summary: "shadows of flat round discs, computed at every pixel",
-        from_params: |params| Ok(Arc::new(Self::from_params(params)?)),
-        settings: &[Setting {
+    pub(crate) const ENTRY: TechniqueEntry = TechniqueEntry::of::<Self>(
+        "disc",
+        "shadows of flat round discs, computed at every pixel",
+        &[Setting {
             name: "soft rim",
             why: "a rim that fades over 5 cm, which no point light has",
-            params: || Self { edge_m: 0.05 }.params(),
+            params: || Self { edge_m: 0.05 }.to_params(),
         }],
-    };
-
-    fn from_params(params: &Params) -> Result<Self, OptionError> {
-        let mut options = OptionReader::new(TYPE_NAME, params);
-        let node = Self { edge_m: options.number("edge", 0.0, 0.0, 1e6)? };
-        options.finish()?;
-        Ok(node)
-    }
-}
-
-impl From<DiscShadow> for ShadowNode {
-    fn from(node: DiscShadow) -> Self {
-        Self { technique: TYPE_NAME.into(), params: node.params(), ..Self::default() }
-    }
+    );
 }
 
 /// The light of `struct Casters`, which its discs follow.
@@ -100,11 +92,11 @@ pub(crate) fn layouts() -> [(&'static str, shadowgraph::engine::gpu::Layout); 2]
 
 impl ShadowTechnique for DiscShadow {
     fn type_name(&self) -> &'static str {
-        TYPE_NAME
+        Self::TYPE_NAME
     }
 
     fn params(&self) -> Params {
-        Params::from([("edge".into(), ParamValue::Number(self.edge_m))])
+        self.to_params()
     }
 
     fn known_error(&self) -> &'static str {
@@ -134,14 +126,14 @@ impl ShadowTechnique for DiscShadow {
         let casters = light.buffer(
             &format!("discs of {name}"),
             BufferUsage::Storage,
-            hash_of((TYPE_NAME, &contents)),
+            hash_of((Self::TYPE_NAME, &contents)),
             Arc::new(contents),
             "the light and its discs, as the eye sees them",
         );
-        let source = shadowgraph::shaders::compose(TYPE_NAME, SHADER, &[])
+        let source = shadowgraph::shaders::compose(Self::TYPE_NAME, SHADER, &[])
             .map_err(|error| light.unsupported(error.to_string()))?;
         let shader = Shader {
-            name: TYPE_NAME.into(),
+            name: Self::TYPE_NAME.into(),
             source: source.into(),
             vertex: "fullscreen_vertex".into(),
             fragment: Some("visibility".into()),

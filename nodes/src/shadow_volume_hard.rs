@@ -38,7 +38,9 @@ use shadowgraph_engine::geometry::{capped, doubled};
 use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::plan::{ColorTarget, DepthTarget, Draw, Pass};
 use shadowgraph_engine::scene::{Instance, Params};
-use shadowgraph_engine::shadow::{Features, LightPlan, Requirements, ShadowError, ShadowTechnique, hash_of};
+use shadowgraph_engine::shadow::{
+    Features, LightPlan, Options, Requirements, ShadowError, ShadowTechnique, hash_of,
+};
 
 use crate::common::culling::{near_plane_may_be_shadowed, shows_its_inside};
 use crate::common::extrusion::{End, end_beyond, end_plane};
@@ -49,7 +51,6 @@ use crate::common::volume_draws::{Volume, falls_on_itself, upload};
 use draws::{Counter, Fold, counting_draws, fold_pass};
 pub(crate) use float_counts::Layers;
 use float_counts::count_in_float;
-use options::TYPE_NAME;
 pub use options::{
     Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, ShadowVolumeHard, Terminator,
 };
@@ -76,7 +77,7 @@ macro_rules! one_darkening {
 
 impl ShadowTechnique for ShadowVolumeHard {
     fn type_name(&self) -> &'static str {
-        TYPE_NAME
+        Self::TYPE_NAME
     }
 
     fn params(&self) -> Params {
@@ -87,10 +88,10 @@ impl ShadowTechnique for ShadowVolumeHard {
         match (self.passes, self.closure) {
             (Passes::Multi, Closure::None | Closure::Backfaces) => rounding!(),
             (Passes::Multi, Closure::Cap) => concat!(caps!(), "; and ", rounding!()),
-            (Passes::Single { .. }, Closure::None | Closure::Backfaces) => {
+            (Passes::Single, Closure::None | Closure::Backfaces) => {
                 concat!(one_darkening!(), "; and ", rounding!())
             }
-            (Passes::Single { .. }, Closure::Cap) => {
+            (Passes::Single, Closure::Cap) => {
                 concat!(one_darkening!(), "; and ", caps!(), "; and ", rounding!())
             }
         }
@@ -119,8 +120,8 @@ impl ShadowTechnique for ShadowVolumeHard {
         if volumes.is_empty() {
             return Ok(());
         }
-        if let Passes::Single { weight } = self.passes {
-            light.darken_once(weight)?;
+        if self.passes == Passes::Single {
+            light.darken_once(self.weight)?;
         }
         match self.counter {
             CounterKind::Auto | CounterKind::Stencil8 => count_in_stencil(light, &volumes),
@@ -263,7 +264,7 @@ impl ShadowVolumeHard {
             (GeometryMode::Closed, _) => {
                 "geometry=closed, but '{}' has masked parts (accepted for it: auto, open)"
             }
-            (_, Passes::Single { .. }) => {
+            (_, Passes::Single) => {
                 "passes=single, but '{}' has masked parts, which are no counts (accepted for it: multi)"
             }
             _ => {

@@ -37,16 +37,15 @@ mod stretched;
 mod wedge;
 
 use shadowgraph_engine::scene::{Instance, Params};
-use shadowgraph_engine::shadow::{LightPlan, LightSize, ShadowError, ShadowTechnique};
+use shadowgraph_engine::shadow::{LightPlan, LightSize, Options, ShadowError, ShadowTechnique};
 
 pub use gather::layouts;
-use options::TYPE_NAME;
 pub use options::{Apply, Quality, ShadowVolumeSoft};
 pub use wedge::layouts as wedge_layouts;
 
 impl ShadowTechnique for ShadowVolumeSoft {
     fn type_name(&self) -> &'static str {
-        TYPE_NAME
+        Self::TYPE_NAME
     }
 
     fn params(&self) -> Params {

@@ -37,14 +37,13 @@ mod receivers;
 
 use shadowgraph_engine::math::POSITION_EPSILON;
 use shadowgraph_engine::scene::{Instance, Params};
-use shadowgraph_engine::shadow::{LightPlan, LightSize, ShadowError, ShadowTechnique, hash_of};
+use shadowgraph_engine::shadow::{LightPlan, LightSize, Options, ShadowError, ShadowTechnique, hash_of};
 
 use crate::common::beside_light::distance_to_triangle;
 use canvas::Canvas;
 pub use canvas::{PlanarLight, PlanarTexture, planar_layouts};
 use casters::Casters;
 pub use casters::MaskedCorner;
-use options::TYPE_NAME;
 pub use options::{MAX_RESOLUTION, MAX_SAMPLES, PlanarMode, SoftShadow};
 use points::LightPoints;
 pub use receivers::{Flat, NotPlanar};
@@ -55,7 +54,7 @@ const POINTS_OF_A_LAYER: usize = 32;
 
 impl ShadowTechnique for SoftShadow {
     fn type_name(&self) -> &'static str {
-        TYPE_NAME
+        Self::TYPE_NAME
     }
 
     fn params(&self) -> Params {
@@ -69,7 +68,7 @@ impl ShadowTechnique for SoftShadow {
     }
 
     fn light_size(&self) -> LightSize {
-        LightSize { radius_m: self.radius_m, half_angle_rad: self.angle_deg.to_radians() }
+        LightSize::new(self.radius_m, self.angle_deg)
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {

@@ -34,7 +34,7 @@ use shadowgraph_engine::plan::{
 };
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
-    Channels, Features, Layers, LightPlan, Requirements, ShadowError, ShadowTechnique, hash_of,
+    Channels, Features, Layers, LightPlan, Options, Requirements, ShadowError, ShadowTechnique, hash_of,
 };
 
 use crate::ShadowVolumeHard;
@@ -45,12 +45,11 @@ use crate::common::listed::Layout;
 use crate::common::screen_bounds::{united, volume_pixels};
 use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
 use crate::common::volume_draws::{Volume, falls_on_itself, float_state, upload, volume_draws};
-use options::TYPE_NAME;
 pub use options::{Accumulate, SelfShadow, TransparentShadow};
 
 impl ShadowTechnique for TransparentShadow {
     fn type_name(&self) -> &'static str {
-        TYPE_NAME
+        Self::TYPE_NAME
     }
 
     fn params(&self) -> Params {

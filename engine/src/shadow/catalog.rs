@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::{LightPlan, LightSize, OptionError, ShadowError};
+use super::{LightPlan, LightSize, OptionError, OptionTable, ShadowError};
 use crate::scene::{Instance, Params, ShadowNode};
 
 /// What a technique needs from the adapter.
@@ -134,6 +134,8 @@ pub struct TechniqueEntry {
     pub summary: &'static str,
     /// Makes the technique from its options.
     pub from_params: fn(&Params) -> Result<Arc<dyn ShadowTechnique>, OptionError>,
+    /// What its options accept.
+    pub options: fn() -> OptionTable,
     /// Its quality settings beside the default.
     pub settings: &'static [Setting],
 }
