@@ -23,15 +23,16 @@ const TEXT: &str = "
 #import common/frame
 #import common/fullscreen
 #import common/lights
+#import common/receiver_depth
 
 @group(1) @binding(0) var<storage, read> light: array<u32>;
-@group(1) @binding(1) var normals: texture_2d<f32>;
+@group(1) @binding(1) var planes: texture_2d<u32>;
 
 @fragment
 fn facing(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let normal = textureLoad(normals, vec2u(position.xy), 0);
+    let plane = unpacked_plane(textureLoad(planes, vec2u(position.xy), 0));
     let towards = lights[light[0]].position.xyz;
-    return vec4f(select(0.25, 0.5 + 0.5 * dot(normal.xyz, towards), normal.w > 0.0));
+    return vec4f(select(0.25, 0.5 + 0.5 * dot(plane.normal, towards), plane.far_m > 0.0));
 }
 ";
 
@@ -58,7 +59,7 @@ impl ShadowTechnique for Facing {
         }
         let bytes = bytemuck::cast_slice::<u32, u8>(&[light.light_index() as u32; 4]).to_vec();
         let number = light.buffer("number", BufferUsage::Storage, hash_of(&bytes), Arc::new(bytes), "a test");
-        let normals = light.receiver_normals();
+        let planes = light.receiver_planes();
         let target = light.multiply_visibility(Channels::One);
         let shader = Shader {
             name: "facing".into(),
@@ -79,7 +80,7 @@ impl ShadowTechnique for Facing {
                     vec![Some(shadowgraph::engine::plan::MULTIPLY)],
                 ),
                 geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-                bindings: vec![(0, Binding::Storage(number)), (1, Binding::Texture(normals))],
+                bindings: vec![(0, Binding::Storage(number)), (1, Binding::Texture(planes))],
                 scissor_px: None,
             }],
         });
@@ -191,15 +192,15 @@ fn normals_are_in_the_plan_only_when_asked_for() {
         plan.slots.iter().any(|slot| slot.name == name)
     };
     let asked = plan(&served(yard(), "Facing"), &shadowgraph_testing::request()).unwrap();
-    assert_eq!(asked.passes_named("receiver normals").count(), 1);
+    assert_eq!(asked.passes_named("receiver planes").count(), 1);
     assert!(!has(&asked, "visible triangles") && asked.visible_triangles.is_none());
     assert!(asked.to_string().contains("own shadows in its factor"));
     // Measured too: one pass for both.
     let both =
         plan(&served(yard(), "Facing"), &FrameRequest { factors: true, ..shadowgraph_testing::request() })
             .unwrap();
-    assert_eq!(both.passes_named("receiver normals").count(), 0);
-    assert_eq!(both.passes_named("visible triangles and receiver normals").count(), 1);
+    assert_eq!(both.passes_named("receiver planes").count(), 0);
+    assert_eq!(both.passes_named("visible triangles and receiver planes").count(), 1);
     assert!(
         !both
             .slots
@@ -207,7 +208,7 @@ fn normals_are_in_the_plan_only_when_asked_for() {
             .any(|slot| matches!(slot.kind, SlotKind::Buffer { .. }) && slot.name.contains("turned"))
     );
     let unasked = plan(&shadowgraph_testing::shadowed_yard(&[]), &shadowgraph_testing::request()).unwrap();
-    assert!(!has(&unasked, "receiver normals"));
+    assert!(!has(&unasked, "receiver planes"));
     let sampled = FrameRequest { antialias: Antialias::Multisample4, ..shadowgraph_testing::request() };
     let refused = plan(&served(yard(), "Facing"), &sampled).unwrap_err().to_string();
     assert!(refused.contains("Facing") && refused.contains("msaa4"), "{refused}");

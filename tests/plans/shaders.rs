@@ -52,8 +52,8 @@ const USED: &[(&str, &[&str], &[&str])] = &[
     ("surface_factor", &["COUNTS", "VISIBILITY", "MASKED", "OWN_SHADOW"], &["vertex", "factor"]),
     (
         "surface_measure",
-        &["HALVES", "MASKED", "NORMALS"],
-        &["vertex", "visible_triangle", "receiver_normal if NORMALS", "triangle_and_normal if NORMALS"],
+        &["HALVES", "MASKED", "PLANES"],
+        &["vertex", "visible_triangle", "receiver_plane if PLANES", "triangle_and_plane if PLANES"],
     ),
     ("surface_peel", &["BASE_COLOR_TEXTURE", "BEHIND", "SECOND_UV"], &["vertex", "peel"]),
     ("surface_shade", SHADE_FLAGS, &["vertex", "opaque", "blended", "shine_through", "masked_depth"]),

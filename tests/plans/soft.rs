@@ -62,7 +62,7 @@ fn sampled_marks_asks_and_keeps_what_does_not_move() {
     let scene = soft_yard(&[]);
     let of_lamp = [
         "depth prepass",
-        "receiver normals",
+        "receiver planes",
         "pack soft edges of lamp",
         "pack soft triangles of lamp",
         "pack soft lists of lamp",
@@ -113,7 +113,7 @@ fn without_casters_the_horizon_is_left() {
     let plan = plan(&scene, &request());
     let names = [
         "depth prepass",
-        "receiver normals",
+        "receiver planes",
         "mark what lamp may light partly",
         "soft shadow of lamp",
         "shading",

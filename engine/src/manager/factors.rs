@@ -27,7 +27,7 @@ impl Assembly<'_> {
             (false, Some(normals)) => {
                 let color = ColorTarget { slot: normals, layer: 0, load: NO_NORMAL, resolve: None };
                 let reason = "a technique asks which way each pixel's surface faces";
-                self.seen_pass("receiver normals", reason, ("receiver_normal", &["NORMALS"]), vec![color]);
+                self.seen_pass("receiver planes", reason, ("receiver_plane", &["PLANES"]), vec![color]);
                 Ok(None)
             }
             (true, normals) => Ok(Some(self.visible_triangles(normals)?)),
@@ -85,7 +85,7 @@ impl Assembly<'_> {
             // What each pixel faces is refused with several samples.
             _ if self.multisampled() => ("visible triangles", ("visible_triangle", &["HALVES"])),
             None => ("visible triangles", ("visible_triangle", &[])),
-            Some(_) => ("visible triangles and receiver normals", ("triangle_and_normal", &["NORMALS"])),
+            Some(_) => ("visible triangles and receiver planes", ("triangle_and_plane", &["PLANES"])),
         };
         self.seen_pass(name, reason, shader, colors);
         Ok(if self.multisampled() { self.triangles_of_samples(slot) } else { slot })

@@ -251,7 +251,7 @@ impl Planner<'_> {
                 darkens: &mut once,
                 smooth_terminators: &mut segment.smooth_terminators,
                 visible_triangles: &mut seen.triangles,
-                receiver_normals: &mut seen.normals,
+                receiver_planes: &mut seen.normals,
                 own_shadow: &mut own_shadow,
                 has_size,
                 taken: &mut taken,

@@ -287,9 +287,9 @@ impl Assembly<'_> {
         let (name, fragment, flags): (_, _, &[&str]) = match (seen.triangles, seen.normals) {
             (None, None) => return,
             (Some(_), None) => ("visible triangles", "visible_triangle", &[]),
-            (None, Some(_)) => ("receiver normals", "receiver_normal", &["NORMALS"]),
+            (None, Some(_)) => ("receiver planes", "receiver_plane", &["PLANES"]),
             (Some(_), Some(_)) => {
-                ("visible triangles and receiver normals", "triangle_and_normal", &["NORMALS"])
+                ("visible triangles and receiver planes", "triangle_and_plane", &["PLANES"])
             }
         };
         let nothing = f64::from(u32::MAX);

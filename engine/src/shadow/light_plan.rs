@@ -34,8 +34,8 @@ pub enum Channels {
     Rgb,
 }
 
-/// The format of [`LightPlan::receiver_normals`]: a horizon is decided by all digits that positions have.
-const RECEIVER_NORMALS: TextureFormat = TextureFormat::Rgba32Float;
+/// The format of [`LightPlan::receiver_planes`]: a horizon is decided by all digits that positions have.
+const RECEIVER_PLANES: TextureFormat = TextureFormat::Rgba32Uint;
 
 /// The lights that may have smooth terminators: a bit for each of them goes with every instance.
 pub const MAX_SMOOTH_LIGHTS: usize = 32;
@@ -77,7 +77,7 @@ pub struct LightPlan<'a> {
     pub(crate) darkens: &'a mut bool,
     pub(crate) smooth_terminators: &'a mut Vec<u32>,
     pub(crate) visible_triangles: &'a mut Option<SlotId>,
-    pub(crate) receiver_normals: &'a mut Option<SlotId>,
+    pub(crate) receiver_planes: &'a mut Option<SlotId>,
     pub(crate) own_shadow: &'a mut bool,
     pub(crate) has_size: bool,
     /// What the picture loses where this claim's factor is 0, and whether the finished picture does, not the light.
@@ -162,17 +162,17 @@ impl<'a> LightPlan<'a> {
         })
     }
 
-    /// The normal of the surface that every pixel shows, as `texture_2d<f32>`: x, y and z are along the normal of the visible
-    /// triangle in view space, on the eye's side, and so long as the visible point is far from the eye, where the point
-    /// that depth says is at 1: 1 but on triangles thinner than a pixel, whose depth rasterisers know badly. w is how far
-    /// that point may still be off along the view, in metres, where the surface receives shadows; 0 where it does not or
-    /// nothing is seen. The triangle's own normal, not one blended between vertices. In the plan only when some technique
-    /// calls this.
-    pub fn receiver_normals(&mut self) -> SlotId {
+    /// The plane of the triangle that every pixel shows, as `texture_2d<u32>`: what `unpacked_plane` of
+    /// `common/receiver_depth` reads. There are its unit normal in view space on the eye's side (the triangle's own, not one
+    /// blended between vertices), how high it is over the eye, and how far the triangle's nearest and farthest corners are, in
+    /// metres; these are 0 where the surface does not receive shadows or nothing is seen. `on_plane` there says where the visible
+    /// point is by plane and depth together: depth alone is badly known on triangles thinner than a pixel. In the plan only when
+    /// some technique calls this.
+    pub fn receiver_planes(&mut self) -> SlotId {
         let builder = &mut *self.builder;
-        *self.receiver_normals.get_or_insert_with(|| {
-            let reason = "a technique asks which way each pixel's surface faces";
-            builder.texture("receiver normals", RECEIVER_NORMALS, 1, reason)
+        *self.receiver_planes.get_or_insert_with(|| {
+            let reason = "a technique asks in which plane each pixel's surface lies";
+            builder.texture("receiver planes", RECEIVER_PLANES, 1, reason)
         })
     }
 
