@@ -10,6 +10,7 @@ mod own_technique;
 
 mod animation;
 mod antialias;
+mod broken;
 mod confined;
 mod conformance;
 mod equivalence;
