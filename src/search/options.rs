@@ -2,7 +2,7 @@
 //! is there.
 
 use shadowgraph_engine::scene::{ParamValue, Params};
-use shadowgraph_engine::shadow::{Accepts, TechniqueEntry};
+use shadowgraph_engine::shadow::{Accepts, OptionError, TechniqueEntry};
 
 use super::Random;
 
@@ -23,19 +23,29 @@ pub enum Sizes {
 
 /// Options for a technique: some at other values than their defaults, all accepted together.
 pub(super) fn draw(random: &mut Random, entry: &TechniqueEntry, sizes: Sizes) -> Params {
-    let all = (entry.options)().options;
+    let mut all = (entry.options)().options;
+    // By name, so that a seed is the same scene in whatever order options are declared.
+    all.sort_by(|a, b| a.name.cmp(&b.name));
     for _ in 0..20 {
-        let params: Params = all
-            .iter()
-            .filter_map(|option| {
-                Some((option.name.clone(), value(random, &option.name, &option.accepts, sizes)?))
-            })
-            .collect();
-        if (entry.from_params)(&params).is_ok() {
+        let drawn = all.iter().filter_map(|option| {
+            Some((option.name.clone(), value(random, &option.name, &option.accepts, sizes)?))
+        });
+        if let Some(params) = without_idle(entry, drawn.collect()) {
             return params;
         }
     }
     Params::new()
+}
+
+/// The options without those that do nothing beside the others; none if the rest is refused.
+fn without_idle(entry: &TechniqueEntry, mut params: Params) -> Option<Params> {
+    loop {
+        match (entry.from_params)(&params) {
+            Ok(_) => return Some(params),
+            Err(OptionError::Idle { option, .. }) => params.remove(&option)?,
+            Err(_) => return None,
+        };
+    }
 }
 
 /// Another value than the default, or none to leave it at that.

@@ -129,6 +129,15 @@ const TEXTURE: SoftShadow = SoftShadow {
     color: [0.0; 3],
 };
 
+/// [`TEXTURE`] in this mode; drawn directly, it has no texels.
+fn in_mode(mode: PlanarMode) -> SoftShadow {
+    let resolution = match mode {
+        PlanarMode::Direct => SoftShadow::default().resolution,
+        PlanarMode::Texture => TEXTURE.resolution,
+    };
+    SoftShadow { mode, resolution, ..TEXTURE }
+}
+
 #[test]
 fn a_texture_is_drawn_again_only_when_something_moved() {
     let Some(mut renderer) = renderer() else { return };
@@ -175,7 +184,7 @@ fn direct_shadows_are_crisp_from_nearby_and_textures_err_by_less_than_a_texel() 
             shadowgraph_testing::camera(edge + DVec3::new(0.1, 1.0, 0.3).normalize() * height_m, edge);
         let request = FrameRequest::new(camera, [128, 128]);
         for mode in [PlanarMode::Direct, PlanarMode::Texture] {
-            let mut yard = Yard::new(SoftShadow { mode, radius_m: 0.0, ..TEXTURE });
+            let mut yard = Yard::new(SoftShadow { radius_m: 0.0, ..in_mode(mode) });
             if let Content::Mesh(mesh) = &mut yard.scene.node_mut(yard.body).unwrap().content {
                 mesh.shadow.receives = false;
             }
@@ -300,7 +309,7 @@ fn where_receivers_lie_on_each_other_a_pixel_is_darkened_once() {
                 }
                 receivers.push(again);
             }
-            yard.shadow(SoftShadow { mode, ..TEXTURE }, &receivers);
+            yard.shadow(in_mode(mode), &receivers);
             let frame = renderer.render(&yard.scene, &request, &RenderOptions::default()).unwrap();
             frame.factors[0].pixels.floats().unwrap()
         };
@@ -323,7 +332,7 @@ fn what_faces_away_is_dark_beside_what_the_horizon_cuts() {
             DVec3::new(0.0, 0.0, -1.0),
         );
         let wall = yard.scene.add_mesh(shadowgraph_testing::quad("wall", 1.0), Material::default(), place);
-        yard.shadow(SoftShadow { mode, ..TEXTURE }, &[yard.floor, wall]);
+        yard.shadow(in_mode(mode), &[yard.floor, wall]);
         let camera = shadowgraph_testing::camera(DVec3::new(1.0, 2.0, 5.0), DVec3::new(0.0, 0.3, -1.0));
         let request = FrameRequest { factors: true, ..FrameRequest::new(camera, [128, 96]) };
         let frame = renderer.render(&yard.scene, &request, &RenderOptions::default()).unwrap();

@@ -1,6 +1,6 @@
 //! References on transparent surfaces: the factor on the n-th of them along each pixel's ray.
 //!
-//! A layer is judged as the opaque surface is ([`super::query`]), but for one thing: no side of it is dark by itself,
+//! A layer is judged as the opaque surface is ([`crate::reference`]), but for one thing: no side of it is dark by itself,
 //! since light passes it. Its own plane, and what lies in it, stands between nothing; of a light with a size that is said
 //! of each sample.
 //!

@@ -159,17 +159,17 @@ impl Options for ShadowVolumeHard {
 
     fn check(&self) -> Vec<Clash> {
         let mut clashes = Vec::new();
-        let mut clash = |option, accepted| clashes.push(Clash { option, accepted });
         if self.passes == Passes::Multi {
-            clash("weight", "with passes=single only");
+            clashes.push(Clash::Idle { option: "weight", accepted: "with passes=single only" });
         }
         // One stencil holds the counts of all lights, and there is one darkening to do.
         if self.passes == Passes::Single && self.counter == CounterKind::Float {
-            clash("counter", "auto, stencil8 with passes=single");
+            let accepted = "auto, stencil8 with passes=single";
+            clashes.push(Clash::Contradiction { option: "counter", accepted });
         }
         // Only a solid has a far side that could cast in place of the near one.
         if self.geometry == GeometryMode::Open && self.terminator == Terminator::Smooth {
-            clash("terminator", "geometric with geometry=open");
+            clashes.push(Clash::Idle { option: "terminator", accepted: "geometric with geometry=open" });
         }
         clashes
     }

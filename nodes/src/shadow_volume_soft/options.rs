@@ -141,16 +141,16 @@ impl Options for ShadowVolumeSoft {
 
     fn check(&self) -> Vec<Clash> {
         let mut clashes = Vec::new();
-        let mut clash = |option, accepted| clashes.push(Clash { option, accepted });
+        let mut idle = |option, accepted| clashes.push(Clash::Idle { option, accepted });
         let has_points = self.radius_m == 0.0 || self.angle_deg == 0.0;
         if self.quality != Quality::Sampled {
-            clash("samples", "with quality=sampled only");
+            idle("samples", "with quality=sampled only");
         }
         if self.quality != Quality::Wedge && !has_points {
-            clash("depthTest", "with quality=wedge, or with a radius or an angle of 0");
+            idle("depthTest", "with quality=wedge, or with a radius or an angle of 0");
         }
         if !has_points {
-            clash("counter", "with a radius or an angle of 0 only");
+            idle("counter", "with a radius or an angle of 0 only");
         }
         clashes
     }

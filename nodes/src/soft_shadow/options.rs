@@ -97,7 +97,9 @@ impl Options for SoftShadow {
 
     fn check(&self) -> Vec<Clash> {
         match self.mode {
-            PlanarMode::Direct => vec![Clash { option: "resolution", accepted: "with mode=texture only" }],
+            PlanarMode::Direct => {
+                vec![Clash::Idle { option: "resolution", accepted: "with mode=texture only" }]
+            }
             PlanarMode::Texture => Vec::new(),
         }
     }

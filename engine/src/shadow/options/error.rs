@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::Clash;
 use crate::scene::ParamValue;
 
 /// Why an option was refused.
@@ -12,6 +13,9 @@ pub enum OptionError {
     Unknown { technique: &'static str, option: String, known: String },
     #[error("{technique}: option '{option}' is {value}, accepted: {accepted}")]
     BadValue { technique: &'static str, option: String, value: String, accepted: String },
+    /// It would do nothing beside the others.
+    #[error("{technique}: option '{option}' is {value}, accepted: {accepted}")]
+    Idle { technique: &'static str, option: String, value: String, accepted: String },
     #[error("{technique}: {problem}")]
     Unreadable { technique: &'static str, problem: String },
 }
@@ -24,10 +28,29 @@ impl OptionError {
         value: &ParamValue,
         accepted: String,
     ) -> Self {
-        let value = match value {
-            ParamValue::Text(text) => format!("'{text}'"),
-            other => other.to_string(),
-        };
-        Self::BadValue { technique, option: option.into(), value, accepted }
+        Self::BadValue { technique, option: option.into(), value: quoted(value), accepted }
+    }
+
+    /// The refusal of `value` beside the other options.
+    pub(super) fn clash(technique: &'static str, clash: Clash, value: &ParamValue) -> Self {
+        match clash {
+            Clash::Contradiction { option, accepted } => {
+                Self::bad_value(technique, option, value, accepted.into())
+            }
+            Clash::Idle { option, accepted } => Self::Idle {
+                technique,
+                option: option.into(),
+                value: quoted(value),
+                accepted: accepted.into(),
+            },
+        }
+    }
+}
+
+/// A value as it is shown: words in quotes.
+fn quoted(value: &ParamValue) -> String {
+    match value {
+        ParamValue::Text(text) => format!("'{text}'"),
+        other => other.to_string(),
     }
 }

@@ -56,9 +56,9 @@ pub trait Options: Serialize + DeserializeOwned + JsonSchema + Default + 'static
             params.iter().map(|(option, value)| (option.clone(), Value::from(value))).collect();
         let options: Self = serde_json::from_value(object.into())
             .map_err(|error| OptionError::Unreadable { technique, problem: error.to_string() })?;
-        for Clash { option, accepted } in options.check() {
-            if let Some(value) = params.get(option) {
-                return Err(OptionError::bad_value(technique, option, value, accepted.into()));
+        for clash in options.check() {
+            if let Some(value) = params.get(clash.option()) {
+                return Err(OptionError::clash(technique, clash, value));
             }
         }
         Ok(options)
@@ -71,7 +71,7 @@ pub trait Options: Serialize + DeserializeOwned + JsonSchema + Default + 'static
         let clashes = self.check();
         if !clashes.is_empty() {
             let default = all_params(&Self::default());
-            for Clash { option, .. } in clashes {
+            for option in clashes.iter().map(Clash::option) {
                 if params.get(option) == default.get(option) {
                     params.remove(option);
                 }
@@ -83,11 +83,30 @@ pub trait Options: Serialize + DeserializeOwned + JsonSchema + Default + 'static
 
 /// An option that cannot be given beside the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Clash {
-    /// The option.
-    pub option: &'static str,
-    /// What would be accepted, or beside what.
-    pub accepted: &'static str,
+pub enum Clash {
+    /// It would do nothing.
+    Idle {
+        /// The option.
+        option: &'static str,
+        /// Beside what it does something.
+        accepted: &'static str,
+    },
+    /// It asks for what the others rule out.
+    Contradiction {
+        /// The option.
+        option: &'static str,
+        /// What would be accepted.
+        accepted: &'static str,
+    },
+}
+
+impl Clash {
+    /// The option that cannot be given.
+    pub fn option(&self) -> &'static str {
+        match self {
+            Self::Idle { option, .. } | Self::Contradiction { option, .. } => option,
+        }
+    }
 }
 
 /// Every option with its value, whether it does anything or not.
