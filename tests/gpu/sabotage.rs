@@ -4,72 +4,14 @@
 
 use std::sync::Arc;
 
+use crate::broken::{Broken, Spoil};
 use crate::tolerances::ROWS;
 use crate::trials::{Trial, try_all};
 use shadowgraph::cases;
 use shadowgraph::engine::plan::{CompareFunction, Draw, Geometry, Stencil, StencilOperation};
-use shadowgraph::engine::scene::{Instance, Params};
-use shadowgraph::engine::shadow::{
-    Catalog, LightPlan, LightSize, OptionError, Requirements, ShadowError, ShadowTechnique, TechniqueEntry,
-};
+use shadowgraph::engine::scene::Params;
+use shadowgraph::engine::shadow::{Catalog, LightPlan, OptionError, ShadowTechnique, TechniqueEntry};
 use shadowgraph::prelude::*;
-
-/// A technique with something done to what it plans.
-#[derive(Debug)]
-struct Broken {
-    technique: Arc<dyn ShadowTechnique>,
-    spoil: Spoil,
-}
-
-/// What is done.
-#[derive(Debug)]
-enum Spoil {
-    /// To every draw.
-    Draws(fn(&mut Draw)),
-    /// In place of its plan.
-    Plan(fn(&dyn ShadowTechnique, &mut LightPlan<'_>) -> Result<(), ShadowError>),
-}
-
-impl ShadowTechnique for Broken {
-    fn type_name(&self) -> &'static str {
-        self.technique.type_name()
-    }
-
-    fn params(&self) -> Params {
-        self.technique.params()
-    }
-
-    fn known_error(&self) -> &'static str {
-        "whatever was done to it"
-    }
-
-    fn requirements(&self) -> Requirements {
-        self.technique.requirements()
-    }
-
-    fn casts(&self, instance: &Instance) -> Result<bool, String> {
-        self.technique.casts(instance)
-    }
-
-    fn light_size(&self) -> LightSize {
-        self.technique.light_size()
-    }
-
-    fn light_sample_count(&self) -> Option<u32> {
-        self.technique.light_sample_count()
-    }
-
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        match self.spoil {
-            Spoil::Draws(spoil) => {
-                self.technique.plan(light)?;
-                light.passes_mut().iter_mut().flat_map(|pass| &mut pass.draws).for_each(spoil);
-                Ok(())
-            }
-            Spoil::Plan(plan) => plan(self.technique.as_ref(), light),
-        }
-    }
-}
 
 type FromParams = fn(&Params) -> Result<Arc<dyn ShadowTechnique>, OptionError>;
 

@@ -2,11 +2,9 @@
 
 use std::sync::Arc;
 
+use crate::broken::{Broken, Spoil};
 use shadowgraph::engine::plan::{Draw, Geometry};
-use shadowgraph::engine::scene::{Instance, Params};
-use shadowgraph::engine::shadow::{
-    Catalog, LightPlan, Requirements, ShadowError, ShadowTechnique, TechniqueEntry,
-};
+use shadowgraph::engine::shadow::{Catalog, TechniqueEntry};
 use shadowgraph::measure::evaluate;
 use shadowgraph::prelude::*;
 use shadowgraph::search::{
@@ -147,40 +145,10 @@ fn edges_of(body: &shadowgraph::search::Body) -> (usize, usize, bool) {
     (body.positions.len(), body.triangles.len(), many)
 }
 
-/// `ShadowVolumeHard` whose volumes lack their last triangles.
-#[derive(Debug)]
-struct Broken(ShadowVolumeHard);
-
-impl ShadowTechnique for Broken {
-    fn type_name(&self) -> &'static str {
-        self.0.type_name()
-    }
-
-    fn params(&self) -> Params {
-        self.0.params()
-    }
-
-    fn known_error(&self) -> &'static str {
-        "volumes without their last triangles"
-    }
-
-    fn requirements(&self) -> Requirements {
-        self.0.requirements()
-    }
-
-    fn casts(&self, instance: &Instance) -> Result<bool, String> {
-        self.0.casts(instance)
-    }
-
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        self.0.plan(light)?;
-        let shorten = |draw: &mut Draw| {
-            if let Geometry::Indexed { count, .. } = &mut draw.geometry {
-                *count = (*count - 6).max(3);
-            }
-        };
-        light.passes_mut().iter_mut().flat_map(|pass| &mut pass.draws).for_each(shorten);
-        Ok(())
+/// Takes the last triangles of a volume away.
+fn shorten(draw: &mut Draw) {
+    if let Geometry::Indexed { count, .. } = &mut draw.geometry {
+        *count = (*count - 6).max(3);
     }
 }
 
@@ -190,7 +158,8 @@ fn a_broken_technique_is_found_and_made_small() {
     let mut catalog = Catalog::new();
     catalog.register(TechniqueEntry {
         from_params: |_| {
-            Ok(Arc::new(Broken(ShadowVolumeHard { depth_test: DepthTest::ZFail, ..Default::default() })))
+            let technique = ShadowVolumeHard { depth_test: DepthTest::ZFail, ..Default::default() };
+            Ok(Arc::new(Broken { technique: Arc::new(technique), spoil: Spoil::Draws(shorten) }))
         },
         settings: &[],
         ..ShadowVolumeHard::ENTRY
