@@ -167,11 +167,15 @@ fn drawn_px(posed: &Posed, plan: &FramePlan, request: &FrameRequest) -> f64 {
     };
     let mut area_px = 0.0;
     for draw in plan.passes_named("volumes of").flat_map(|pass| &pass.draws) {
-        let Geometry::Indexed { instance, indices, first, count, record } = draw.geometry else { continue };
+        let Geometry::Indexed { instance, indices, first, count, record, .. } = &draw.geometry else {
+            continue;
+        };
+        let (instance, indices, first, count, record) = (*instance, *indices, *first, *count, *record);
         let records: Vec<VolumeUniform> = draw
             .bindings
             .iter()
-            .flat_map(|(_, binding)| bytemuck::pod_collect_to_vec(words(binding.slot())))
+            .filter_map(|(_, binding)| binding.resource())
+            .flat_map(|slot| bytemuck::pod_collect_to_vec(words(slot)))
             .collect();
         let record = records[record as usize];
         let instance = &posed.instances[instance as usize];

@@ -267,7 +267,7 @@ fn samples_that_do_not_match_are_refused_by_the_plan() {
     let mut plan = good.clone();
     let depth = plan.passes.last_mut().unwrap().draws[0].bindings.iter_mut().find(|(number, _)| *number == 3);
     let (_, binding) = depth.unwrap();
-    *binding = Binding::TextureArray(binding.slot());
+    *binding = Binding::TextureArray(binding.resource().unwrap());
     assert!(matches!(plan.validate(), Err(PlanError::WrongKind { .. })));
 }
 

@@ -15,7 +15,8 @@ use shadowgraph::engine::manager::{Adapter, FrameError};
 use shadowgraph::engine::plan::{FramePlan, SlotKind};
 use shadowgraph::engine::scene::{AlphaMode, Instance, ParamValue, Params};
 use shadowgraph::engine::shadow::{
-    Cache, Catalog, Layers, LightPlan, ShadowError, ShadowTechnique, TechniqueEntry,
+    Cache, Catalog, Contribution, Layers, LightContext, PassList, ShadowError, ShadowTechnique,
+    TechniqueEntry,
 };
 use shadowgraph::measure::{
     ErrorTable, LayerEvaluation, LightQuery, LightSize, Reference, ReferenceShadow, Samples, SizedCasters,
@@ -49,8 +50,8 @@ impl ShadowTechnique for HardOnLayers {
         self.0.casts(instance)
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        self.0.plan(light)
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
+        self.0.plan(light, out)
     }
 }
 

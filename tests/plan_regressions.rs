@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use shadowgraph_engine::geometry::{Mesh, MeshData};
 use shadowgraph_engine::manager::{Adapter, FrameRequest};
 use shadowgraph_engine::plan::{
-    ColorTarget, FactorAt, Load, Pass, PlanBuilder, PlanError, StencilOperation, TextureFormat,
+    ColorTarget, FactorAt, Load, Pass, PlanError, Slot, SlotId, SlotKind, StencilOperation, TextureFormat,
 };
 use shadowgraph_engine::scene::{Camera, ParamValue, PosedCamera, ShadowNode, placed};
 use shadowgraph_engine::shadow::Cache;
@@ -52,10 +52,10 @@ fn a_flattened_caster_has_a_finite_record() {
 /// A pass into a texture of its own size, with a scissor of that size.
 fn pass_confined_to(target_px: [u32; 2], scissor_px: [u32; 4]) -> Result<(), PlanError> {
     let mut plan = plan(&shadowed_yard(&[]), &request());
-    let mut builder = PlanBuilder::new(plan.size_px);
-    builder.slots.clone_from(&plan.slots);
-    let slot = builder.texture_sized("map", TextureFormat::R32Float, target_px, 1, "a test");
-    plan.slots = builder.slots;
+    let slot = SlotId(plan.slots.len());
+    let kind =
+        SlotKind::Texture { format: TextureFormat::R32Float, size_px: target_px, layers: 1, samples: 1 };
+    plan.slots.push(Slot { name: "map".into(), kind, reason: "a test".into(), kept: None });
     let mut draw = plan.passes[0].draws[0].clone();
     draw.state.depth_write = false;
     draw.state.targets = vec![None];

@@ -58,7 +58,8 @@ fn every_shader_of_a_plan_has_its_entry_points() {
     wanted.picture = PictureFormat::LinearF32;
     let mut checked = 0;
     for plan in [plan(&scene, &wanted), plan(&yard(), &wanted), plan(&shadowed_yard(&[]), &wanted)] {
-        for shader in plan.passes.iter().flat_map(|pass| &pass.draws).filter_map(|draw| draw.shader.as_ref())
+        for shader in
+            plan.passes.iter().flat_map(|pass| &pass.draws).filter_map(|draw| draw.geometry.shader())
         {
             let module = naga::front::wgsl::parse_str(&shader.source).expect("it parses");
             let has =

@@ -10,9 +10,12 @@ use std::time::Duration;
 
 use shadowgraph::engine::gpu::{GpuError, Pixels};
 use shadowgraph::engine::manager::Frame;
-use shadowgraph::engine::plan::{CompareFunction, Draw, DrawState, Geometry, Pass, Shader};
+use shadowgraph::engine::plan::{CompareFunction, DrawState, Shader};
 use shadowgraph::engine::scene::{Image, Params, TextureRef};
-use shadowgraph::engine::shadow::{Channels, LightPlan, ShadowError, ShadowTechnique, TechniqueEntry};
+use shadowgraph::engine::shadow::{
+    Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, Pass, PassList, ShadowError,
+    ShadowTechnique, TechniqueEntry,
+};
 use shadowgraph::prelude::*;
 
 fn scene() -> Scene {
@@ -209,32 +212,19 @@ impl ShadowTechnique for Painter {
         Ok(true)
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        let target = light.multiply_visibility(Channels::One);
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
         let text = format!("#import common/fullscreen\n{}", self.source);
-        let source = shadowgraph::shaders::compose("paint", &text, &[]).unwrap();
-        let shader = Shader {
-            name: "paint".into(),
-            source: source.into(),
-            vertex: "fullscreen_vertex".into(),
-            fragment: Some(self.fragment.into()),
-        };
+        let shader = Shader::written("paint", &text, &[], "fullscreen_vertex", Some(self.fragment))?;
         let blend = Some(shadowgraph::engine::plan::MULTIPLY);
-        light.pass(Pass {
+        let state = DrawState::new(CompareFunction::Always, vec![blend]);
+        out.pass(Pass {
             name: format!("paint {}", light.light().name),
             reason: "a test".into(),
-            colors: vec![target],
+            colors: vec![ColorTarget::VISIBILITY],
             depth: None,
-            draws: vec![Draw {
-                name: "paint".into(),
-                shader: Some(shader),
-                state: DrawState::new(CompareFunction::Always, vec![blend]),
-                geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-                bindings: vec![],
-                scissor_px: None,
-            }],
+            draws: vec![Draw::new("paint", Geometry::fullscreen(shader), state)],
         });
-        Ok(())
+        Ok(Contribution::visibility(Channels::One))
     }
 }
 

@@ -12,10 +12,11 @@ use std::sync::Arc;
 use common::conformance::{Trial, try_all};
 use common::tolerances::ROWS;
 use shadowgraph::cases;
-use shadowgraph::engine::plan::{CompareFunction, Draw, Geometry, Stencil, StencilOperation};
+use shadowgraph::engine::plan::{CompareFunction, Stencil, StencilOperation};
 use shadowgraph::engine::scene::{Instance, Params};
 use shadowgraph::engine::shadow::{
-    Catalog, LightPlan, LightSize, OptionError, Requirements, ShadowError, ShadowTechnique, TechniqueEntry,
+    Catalog, Contribution, Draw, Geometry, LightContext, LightSize, OptionError, PassList, Requirements,
+    ShadowError, ShadowTechnique, TechniqueEntry,
 };
 use shadowgraph::prelude::*;
 
@@ -32,8 +33,11 @@ enum Spoil {
     /// To every draw.
     Draws(fn(&mut Draw)),
     /// In place of its plan.
-    Plan(fn(&dyn ShadowTechnique, &mut LightPlan<'_>) -> Result<(), ShadowError>),
+    Plan(PlanOf),
 }
+
+type PlanOf =
+    fn(&dyn ShadowTechnique, &LightContext<'_>, &mut PassList<'_>) -> Result<Contribution, ShadowError>;
 
 impl ShadowTechnique for Broken {
     fn type_name(&self) -> &'static str {
@@ -64,14 +68,17 @@ impl ShadowTechnique for Broken {
         self.technique.light_sample_count()
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
         match self.spoil {
             Spoil::Draws(spoil) => {
-                self.technique.plan(light)?;
-                light.passes_mut().iter_mut().flat_map(|pass| &mut pass.draws).for_each(spoil);
-                Ok(())
+                let left = self.technique.plan(light, out)?;
+                for mut pass in out.take_passes() {
+                    pass.draws.iter_mut().for_each(spoil);
+                    out.pass(pass);
+                }
+                Ok(left)
             }
-            Spoil::Plan(plan) => plan(self.technique.as_ref(), light),
+            Spoil::Plan(plan) => plan(self.technique.as_ref(), light, out),
         }
     }
 }
@@ -181,7 +188,7 @@ fn a_shifted_mask() {
     turns_red(
         |_| {
             broken(ShadowVolumeHard::default(), |draw| {
-                let Some(shader) = &mut draw.shader else { return };
+                let Geometry::Indexed { shader, .. } = &mut draw.geometry else { return };
                 let parameters = "(@builtin(vertex_index) index: u32, @builtin(instance_index) volume: u32)";
                 let (entry, bare) =
                     (format!("@vertex\nfn vertex{parameters}"), "fn unshifted(index: u32, volume: u32)");
@@ -251,15 +258,14 @@ fn inner_walls_that_cast_nothing() {
     // Solids cast with half their triangles, as if all surfaces had two sides: the walls that are seen from inside are not
     // among them. A plan holds on to its scene for good, so the changed one is never dropped.
     let halved: FromParams = |_| {
-        let plan = |technique: &dyn ShadowTechnique, light: &mut LightPlan<'_>| {
+        let plan: PlanOf = |technique, light, out| {
             let mut posed = light.posed.clone();
             for material in posed.instances.iter_mut().flat_map(|instance| &mut instance.materials) {
                 *material = Arc::new(Material { double_sided: true, ..(**material).clone() });
             }
-            let seen = std::mem::replace(&mut light.posed, Box::leak(Box::new(posed)));
-            let planned = technique.plan(light);
-            light.posed = seen;
-            planned
+            let mut light = *light;
+            light.posed = Box::leak(Box::new(posed));
+            technique.plan(&light, out)
         };
         Ok(Arc::new(Broken { technique: Arc::new(ShadowVolumeHard::default()), spoil: Spoil::Plan(plan) }))
     };
@@ -275,9 +281,9 @@ fn a_horizon_that_only_casters_bring() {
     };
     let broken: FromParams = |params| {
         let technique = (ShadowVolumeSoft::ENTRY.from_params)(params)?;
-        let plan = |technique: &dyn ShadowTechnique, light: &mut LightPlan<'_>| {
+        let plan: PlanOf = |technique, light, out| {
             let casts = light.casters().any(|(_, instance)| technique.casts(instance) == Ok(true));
-            if casts { technique.plan(light) } else { Ok(()) }
+            if casts { technique.plan(light, out) } else { Ok(Contribution::default()) }
         };
         Ok(Arc::new(Broken { technique, spoil: Spoil::Plan(plan) }))
     };

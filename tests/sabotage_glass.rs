@@ -8,10 +8,10 @@ mod common;
 use std::sync::Arc;
 
 use shadowgraph::cases;
-use shadowgraph::engine::plan::{Draw, Geometry};
 use shadowgraph::engine::scene::{Instance, Params};
 use shadowgraph::engine::shadow::{
-    Catalog, Layers, LightPlan, Requirements, ShadowError, ShadowTechnique, TechniqueEntry,
+    Catalog, Contribution, Draw, Geometry, Layers, LightContext, PassList, Requirements, ShadowError,
+    ShadowTechnique, TechniqueEntry,
 };
 use shadowgraph::measure::{evaluate, evaluate_layers};
 use shadowgraph::nodes::TransparentShadow;
@@ -50,11 +50,14 @@ impl ShadowTechnique for Broken {
         self.0.casts(instance)
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        self.0.plan(light)?;
-        let draws = light.passes_mut().iter_mut().flat_map(|pass| &mut pass.draws);
-        draws.filter(|draw| matches!(draw.geometry, Geometry::Indexed { .. })).for_each(self.1);
-        Ok(())
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
+        let left = self.0.plan(light, out)?;
+        for mut pass in out.take_passes() {
+            let draws = pass.draws.iter_mut();
+            draws.filter(|draw| matches!(draw.geometry, Geometry::Indexed { .. })).for_each(self.1);
+            out.pass(pass);
+        }
+        Ok(left)
     }
 }
 

@@ -7,10 +7,10 @@ mod common;
 
 use std::sync::Arc;
 
-use shadowgraph::engine::plan::{Draw, Geometry};
 use shadowgraph::engine::scene::{Instance, Params};
 use shadowgraph::engine::shadow::{
-    Catalog, LightPlan, Requirements, ShadowError, ShadowTechnique, TechniqueEntry,
+    Catalog, Contribution, Draw, Geometry, LightContext, PassList, Requirements, ShadowError,
+    ShadowTechnique, TechniqueEntry,
 };
 use shadowgraph::measure::evaluate;
 use shadowgraph::prelude::*;
@@ -177,15 +177,18 @@ impl ShadowTechnique for Broken {
         self.0.casts(instance)
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        self.0.plan(light)?;
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
+        let left = self.0.plan(light, out)?;
         let shorten = |draw: &mut Draw| {
             if let Geometry::Indexed { count, .. } = &mut draw.geometry {
                 *count = (*count - 6).max(3);
             }
         };
-        light.passes_mut().iter_mut().flat_map(|pass| &mut pass.draws).for_each(shorten);
-        Ok(())
+        for mut pass in out.take_passes() {
+            pass.draws.iter_mut().for_each(shorten);
+            out.pass(pass);
+        }
+        Ok(left)
     }
 }
 

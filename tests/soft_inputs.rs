@@ -8,12 +8,11 @@ mod common;
 use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3};
-use shadowgraph::engine::plan::{
-    Binding, BufferUsage, CompareFunction, Draw, DrawState, Geometry, Pass, Shader, SlotKind,
-};
+use shadowgraph::engine::plan::{BufferDesc, CompareFunction, DrawState, Shader, SlotKind};
 use shadowgraph::engine::scene::{Instance, NodeKey, Params, ShadowFlags};
 use shadowgraph::engine::shadow::{
-    Catalog, Channels, LightPlan, ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
+    Binding, Catalog, Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, Pass, PassList,
+    ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
 };
 use shadowgraph::prelude::*;
 
@@ -56,38 +55,23 @@ impl ShadowTechnique for Facing {
         Ok(true)
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        if self.decides {
-            light.decides_own_shadow();
-        }
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
         let bytes = bytemuck::cast_slice::<u32, u8>(&[light.light_index() as u32; 4]).to_vec();
-        let number = light.buffer("number", BufferUsage::Storage, hash_of(&bytes), Arc::new(bytes), "a test");
-        let normals = light.receiver_normals();
-        let target = light.multiply_visibility(Channels::One);
-        let shader = Shader {
-            name: "facing".into(),
-            source: shadowgraph::shaders::compose("facing", TEXT, &[]).unwrap().into(),
-            vertex: "fullscreen_vertex".into(),
-            fragment: Some("facing".into()),
-        };
-        light.pass(Pass {
+        let key = hash_of(&bytes);
+        let number = out.buffer(BufferDesc::storage("number", key, Arc::new(bytes), "a test"));
+        let normals = out.receiver_normals();
+        let shader = Shader::written("facing", TEXT, &[], "fullscreen_vertex", Some("facing"))?;
+        let blend = Some(shadowgraph::engine::plan::MULTIPLY);
+        let state = DrawState::new(CompareFunction::Always, vec![blend]);
+        let draw = Draw::new("facing", Geometry::fullscreen(shader), state);
+        out.pass(Pass {
             name: format!("facing for {}", light.light().name),
             reason: "a test".into(),
-            colors: vec![target],
+            colors: vec![ColorTarget::VISIBILITY],
             depth: None,
-            draws: vec![Draw {
-                name: "facing".into(),
-                shader: Some(shader),
-                state: DrawState::new(
-                    CompareFunction::Always,
-                    vec![Some(shadowgraph::engine::plan::MULTIPLY)],
-                ),
-                geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-                bindings: vec![(0, Binding::Storage(number)), (1, Binding::Texture(normals))],
-                scissor_px: None,
-            }],
+            draws: vec![draw.reading(vec![(0, Binding::Storage(number)), (1, Binding::Texture(normals))])],
         });
-        Ok(())
+        Ok(Contribution { own_shadow: self.decides, ..Contribution::visibility(Channels::One) })
     }
 }
 

@@ -8,12 +8,11 @@ mod common;
 use std::sync::Arc;
 
 use glam::DVec4;
-use shadowgraph::engine::plan::{
-    Binding, BlendState, BufferUsage, CompareFunction, Draw, DrawState, Geometry, Pass, Shader,
-};
+use shadowgraph::engine::plan::{BlendState, BufferDesc, CompareFunction, DrawState, Shader};
 use shadowgraph::engine::scene::{Instance, Params};
 use shadowgraph::engine::shadow::{
-    Channels, LightPlan, ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
+    Binding, Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, Pass, PassList, ShadowError,
+    ShadowTechnique, TechniqueEntry, hash_of,
 };
 use shadowgraph::prelude::*;
 
@@ -62,36 +61,25 @@ impl ShadowTechnique for Silhouettes {
         Ok(true)
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
         let caster = light.casters().next().unwrap().0 as u32;
         let DVec4 { x, y, z, w } = light.light().position;
         let mut bytes = bytemuck::cast_slice::<f32, u8>(&[x, y, z, w].map(|v| v as f32)).to_vec();
         bytes.extend(bytemuck::cast_slice::<u32, u8>(&[light.light_index() as u32, caster, 0, 0]));
         let key = hash_of(&bytes);
-        let asked = light.buffer("asked", BufferUsage::Storage, key, Arc::new(bytes), "a test");
-        let visible = light.visible_triangles();
-        let target = light.multiply_visibility(Channels::One);
-        let shader = Shader {
-            name: "silhouettes".into(),
-            source: shadowgraph::shaders::compose("silhouettes", TEXT, &[]).unwrap().into(),
-            vertex: "fullscreen_vertex".into(),
-            fragment: Some("silhouette".into()),
-        };
-        light.pass(Pass {
+        let asked = out.buffer(BufferDesc::storage("asked", key, Arc::new(bytes), "a test"));
+        let visible = out.visible_triangles();
+        let shader = Shader::written("silhouettes", TEXT, &[], "fullscreen_vertex", Some("silhouette"))?;
+        let state = DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]);
+        let draw = Draw::new("silhouettes", Geometry::fullscreen(shader), state);
+        out.pass(Pass {
             name: format!("silhouettes for {}", light.light().name),
             reason: "a test".into(),
-            colors: vec![target],
+            colors: vec![ColorTarget::VISIBILITY],
             depth: None,
-            draws: vec![Draw {
-                name: "silhouettes".into(),
-                shader: Some(shader),
-                state: DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]),
-                geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-                bindings: vec![(0, Binding::Storage(asked)), (1, Binding::Texture(visible))],
-                scissor_px: None,
-            }],
+            draws: vec![draw.reading(vec![(0, Binding::Storage(asked)), (1, Binding::Texture(visible))])],
         });
-        Ok(())
+        Ok(Contribution::visibility(Channels::One))
     }
 }
 

@@ -37,7 +37,9 @@ mod stretched;
 mod wedge;
 
 use shadowgraph_engine::scene::{Instance, Params};
-use shadowgraph_engine::shadow::{LightPlan, LightSize, ShadowError, ShadowTechnique};
+use shadowgraph_engine::shadow::{
+    self as shadow, Contribution, LightContext, LightSize, PassList, ShadowError, ShadowTechnique,
+};
 
 pub use gather::layouts;
 use options::TYPE_NAME;
@@ -82,19 +84,18 @@ impl ShadowTechnique for ShadowVolumeSoft {
         Ok(instance.materials.iter().any(|material| material.casts_whole() || material.casts_by_texel()))
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        match self.apply {
-            Apply::PerPixel if self.weight == 1.0 => {}
-            Apply::PerPixel => light.tint(self.weight, [0.0; 3]),
-            Apply::Darken => light.darken_picture(self.weight, [0.0; 3]),
-        }
-        if !self.size().is_wide(light.light().position) {
-            return self.hard().plan(light);
-        }
-        match self.quality {
-            Quality::Sampled => self.plan_sampled(light),
-            Quality::PerReceiver => self.plan_per_receiver(light),
-            Quality::Wedge => self.plan_wedges(light),
-        }
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
+        let (weight, color) = (self.weight, [0.0; 3]);
+        let apply = match self.apply {
+            Apply::PerPixel => shadow::Apply::Light { weight, color },
+            Apply::Darken => shadow::Apply::DarkenPicture { weight, color },
+        };
+        let left = match self.quality {
+            _ if !self.size().is_wide(light.light().position) => self.hard().plan(light, out)?,
+            Quality::Sampled => self.plan_sampled(light, out)?,
+            Quality::PerReceiver => self.plan_per_receiver(light, out)?,
+            Quality::Wedge => self.plan_wedges(light, out)?,
+        };
+        Ok(Contribution { apply, ..left })
     }
 }

@@ -5,13 +5,11 @@
 
 use std::sync::Arc;
 
-use shadowgraph_engine::plan::{
-    Binding, BufferUsage, CompareFunction, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader,
-};
+use shadowgraph_engine::plan::{BufferDesc, CompareFunction, DrawState, MULTIPLY, Shader};
 use shadowgraph_engine::scene::{Instance, ParamValue, Params};
 use shadowgraph_engine::shadow::{
-    Channels, Layers, LightPlan, LightSize, MAX_LIGHT_SAMPLES, OptionReader, ShadowError, ShadowTechnique,
-    TechniqueEntry, hash_of,
+    Binding, Channels, ColorTarget, Contribution, Draw, Geometry, Layers, LightContext, LightSize,
+    MAX_LIGHT_SAMPLES, OptionReader, Pass, PassList, ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
 };
 
 use super::{LightQuery, Reference, Samples, SizedCasters};
@@ -108,7 +106,7 @@ impl ShadowTechnique for ReferenceShadow {
         self.self_shadow
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
         let name = light.light().name.clone();
         let casters: Vec<usize> = light.casters().map(|(index, _)| index).collect();
         let (posed, view) = (light.posed, light.view);
@@ -150,36 +148,23 @@ impl ShadowTechnique for ReferenceShadow {
         // Red, green and blue only where transparent surfaces cast.
         let colored = factors.len() > view.size_px[0] as usize * view.size_px[1] as usize * 4;
         let reason = "traced on the CPU";
-        let slot = light.buffer(&format!("reference of {name}"), BufferUsage::Storage, key, factors, reason);
+        let traced = format!("reference of {name}");
+        let slot = out.buffer(BufferDesc::storage(&traced, key, factors, reason));
         let (channels, flags): (_, &[&str]) =
             if colored { (Channels::Rgb, &["COLORED"]) } else { (Channels::One, &[]) };
-        let target = light.multiply_visibility(channels);
-        if self.light_size().is_wide(light.light().position) {
-            // Samples on the other side of the surface than the eye are dark; those of a point are the engine's business.
-            light.decides_own_shadow();
-        }
         let text = include_str!("technique.wgsl");
-        let source = shadowgraph_shaders::compose(TYPE_NAME, text, flags)
-            .map_err(|error| light.unsupported(error.to_string()))?;
-        light.pass(Pass {
-            name: format!("reference of {name}"),
+        let shader = Shader::written(TYPE_NAME, text, flags, "fullscreen_vertex", Some("traced"))?;
+        let state = DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]);
+        let draw = Draw::new("every pixel", Geometry::fullscreen(shader), state);
+        out.pass(Pass {
+            name: traced,
             reason: "the exact answer, for looking at".into(),
-            colors: vec![target],
+            colors: vec![ColorTarget::VISIBILITY],
             depth: None,
-            draws: vec![Draw {
-                name: "every pixel".into(),
-                shader: Some(Shader {
-                    name: TYPE_NAME.into(),
-                    source: source.into(),
-                    vertex: "fullscreen_vertex".into(),
-                    fragment: Some("traced".into()),
-                }),
-                state: DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]),
-                geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-                bindings: vec![(0, Binding::Storage(slot))],
-                scissor_px: None,
-            }],
+            draws: vec![draw.reading(vec![(0, Binding::Storage(slot))])],
         });
-        Ok(())
+        // Samples on the other side of the surface than the eye are dark; those of a point are the engine's business.
+        let own_shadow = self.light_size().is_wide(light.light().position);
+        Ok(Contribution { own_shadow, ..Contribution::visibility(channels) })
     }
 }

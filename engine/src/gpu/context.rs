@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use thiserror::Error;
 
 use super::PixelsError;
+use crate::plan::ShaderError;
 use crate::scene::{Material, SurfaceFunction};
 
 /// Which adapter to use.
@@ -33,6 +34,8 @@ pub enum GpuError {
     Lost { adapter: String, reason: String, remedy: String },
     #[error("adapter '{adapter}' is out of memory: {message}")]
     OutOfMemory { adapter: String, message: String },
+    #[error(transparent)]
+    Compose(#[from] ShaderError),
     #[error("shader '{shader}' is not valid: {message}")]
     Shader { shader: String, message: String },
     #[error("shader '{shader}' makes no pipeline on adapter '{adapter}': {message}")]

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::{LightPlan, LightSize, OptionError, ShadowError};
+use super::{Contribution, LightContext, LightSize, OptionError, PassList, ShadowError};
 use crate::scene::{Instance, Params, ShadowNode};
 
 /// What a technique needs from the adapter.
@@ -99,11 +99,11 @@ pub trait ShadowTechnique: fmt::Debug + Send + Sync {
         Ok(())
     }
 
-    /// Adds the passes that leave the light's factor in the stencil or in a visibility target.
+    /// Adds the passes to `out` that leave the light's factor in the stencil or in its visibility, and says what they leave.
     ///
     /// # Errors
     /// What the technique refuses, naming node and caster.
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError>;
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError>;
 }
 
 /// A quality setting of a technique: options that reports and tests try beside its defaults.
