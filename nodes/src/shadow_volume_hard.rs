@@ -224,6 +224,9 @@ impl ShadowVolumeHard {
             if self.terminator == Terminator::Smooth {
                 if half != Half::Lit || !matches!(shape, CastShape::Own(_)) {
                     keep_terminator.push((instance, CASTS_OPEN));
+                } else if light.has_size() {
+                    // What is turned away from the light's centre is then not dark for that, and solids are to shadow it.
+                    keep_terminator.push((instance, LIGHT_HAS_SIZE));
                 } else if light.can_smooth_terminators() {
                     smooth_terminators.push(index);
                     half = Half::Unlit;
@@ -410,6 +413,8 @@ impl ShadowVolumeHard {
 
 /// Why a caster's terminator stays where its triangles turn away.
 const CASTS_OPEN: &str = "terminator=smooth leaves it as it is: it does not cast as a solid (open, or light or eye within its bounds)";
+const LIGHT_HAS_SIZE: &str =
+    "terminator=smooth leaves it as it is: another node takes the light to have a size";
 const TOO_MANY_LIGHTS: &str =
     "terminator=smooth leaves it as it is: only the first 32 lights of a scene can have smooth terminators";
 

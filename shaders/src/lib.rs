@@ -37,6 +37,7 @@ modules![
     "common/lights",
     "common/material",
     "common/positions",
+    "common/receiver_depth",
     "common/soft_light",
     "common/soft_near",
     "common/soft_question",

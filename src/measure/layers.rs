@@ -135,7 +135,8 @@ impl Reference {
         chosen: &Chosen,
         progress: &Progress<'_>,
     ) -> Vec<ReferenceImage> {
-        let view = View::new(camera, antialias.drawn_size_px(size_px));
+        let camera = camera.fitted_to(&self.world_bounds);
+        let view = View::new(&camera, antialias.drawn_size_px(size_px));
         let size_px = antialias.factor_size_px(size_px);
         let queries = self.resolve(lights);
         let rows = for_rows(size_px, progress, |y| {

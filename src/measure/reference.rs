@@ -49,6 +49,8 @@ pub struct Reference {
     pub(super) lights: Vec<PosedLight>,
     /// The largest coordinate of any surface, in metres.
     pub(super) coordinate_m: f64,
+    /// The box around all of them, as renderers have it.
+    pub(super) world_bounds: Aabb,
     /// The transparent surfaces, where there are any.
     pub(super) panes: Option<Panes>,
 }
@@ -71,7 +73,15 @@ impl Reference {
         let bounds = panes.as_ref().map_or(bounds, |panes| bounds.union(&panes.bounds));
         let coordinate_m =
             if bounds.is_empty() { 0.0 } else { bounds.min.abs().max(bounds.max.abs()).max_element() };
-        Self { triangles, bvh, places, lights: posed.lights.clone(), coordinate_m, panes }
+        Self {
+            triangles,
+            bvh,
+            places,
+            lights: posed.lights.clone(),
+            coordinate_m,
+            world_bounds: posed.world_bounds,
+            panes,
+        }
     }
 
     /// The number of triangles that are seen or cast.

@@ -164,7 +164,8 @@ impl Reference {
         lights: &[LightQuery],
         progress: &Progress<'_>,
     ) -> ReferenceImage {
-        let view = View::new(camera, antialias.drawn_size_px(size_px));
+        let camera = camera.fitted_to(&self.world_bounds);
+        let view = View::new(&camera, antialias.drawn_size_px(size_px));
         let size_px = antialias.factor_size_px(size_px);
         let queries = self.resolve(lights);
         let rows = for_rows(size_px, progress, |y| {
@@ -201,7 +202,8 @@ impl Reference {
         progress: &Progress<'_>,
         n: u32,
     ) -> SupersampledImage {
-        let view = View::new(camera, size_px);
+        let camera = camera.fitted_to(&self.world_bounds);
+        let view = View::new(&camera, size_px);
         let queries = self.resolve(lights);
         let n = n.max(1);
         let rows = for_rows(size_px, progress, |y| {

@@ -1,4 +1,5 @@
-//! A camera with a target: rays through places of it, and the depth that a rasteriser keeps there.
+//! A camera with a target: rays through places of it, and the depth that a rasteriser keeps there. The camera is
+//! [fitted to the scene](PosedCamera::fitted_to), as it is for a frame.
 
 use glam::{DAffine3, DVec3, DVec4};
 use shadowgraph_engine::math::Projection;
@@ -66,15 +67,16 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The distance between neighbouring values of the depth at distance `t`.
+    /// The distance between neighbouring values of the depth at distance `t`; a quarter of that right before 1 under an orthographic
+    /// eye. There depth is a difference of two numbers up to 1 whatever its own size, and has no far end with finer ulps: of
+    /// [`super::DEPTH_ULPS`] a quarter remains, sixteen roundings of 1.
     pub(super) fn depth_ulp(&self, t: f64) -> f64 {
         match self.camera.projection {
             Projection::Perspective { near_m, .. } => {
                 let depth = (near_m / t) as f32;
                 f64::from(depth.next_up()) - f64::from(depth)
             }
-            // Orthographic depth is a difference of two numbers around 1 whatever its own size: an ulp is one of 1.
-            Projection::Orthographic { .. } => f64::from(f32::EPSILON),
+            Projection::Orthographic { .. } => f64::from(f32::EPSILON) / 8.0,
         }
     }
 

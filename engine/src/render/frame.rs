@@ -102,9 +102,10 @@ fn view(posed: &Posed, request: &FrameRequest, adapter: &Adapter<'_>) -> Result<
             limit,
         });
     }
-    let frustum = request.camera.frustum(size_px);
+    let camera = request.camera.fitted_to(&posed.world_bounds);
+    let frustum = camera.frustum(size_px);
     let receiver_bounds = receiver_bounds(posed, &frustum);
-    Ok(View { camera: request.camera.clone(), size_px, receiver_bounds, frustum })
+    Ok(View { camera, size_px, receiver_bounds, frustum })
 }
 
 /// What is said before anything is planned.

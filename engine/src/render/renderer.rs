@@ -192,7 +192,7 @@ impl Renderer {
         let read_back: Vec<SlotId> = wanted.iter().map(|(slot, _)| *slot).collect();
         let inputs = FrameInputs {
             posed: &posed,
-            camera: &request.camera,
+            camera: &request.camera.fitted_to(&posed.world_bounds),
             exposure: options.exposure.factor(&posed),
             tone_map: request.picture == PictureFormat::Srgb8,
             timing: options.timing,

@@ -150,6 +150,25 @@ impl PosedCamera {
         Self { key: None, name: camera.name, world_from_view, projection: camera.projection }
     }
 
+    /// The same camera, seeing no farther than a scene with these bounds goes: an orthographic depth is as coarse everywhere
+    /// as its whole range is long, and `zfar` is often a guess. A perspective depth gains nothing from it.
+    pub fn fitted_to(&self, world_bounds: &Aabb) -> Self {
+        let mut fitted = self.clone();
+        if let Projection::Orthographic { near_m, far_m, .. } = &mut fitted.projection
+            && !world_bounds.is_empty()
+        {
+            let view_from_world = self.world_from_view.inverse();
+            let corners = world_bounds.corners().map(|corner| -view_from_world.transform_point3(corner).z);
+            let farthest_m = corners.into_iter().fold(f64::NEG_INFINITY, f64::max);
+            // What is farthest away is not to have the depth of where nothing is.
+            let end_m = *near_m + (farthest_m - *near_m) * (1.0 + 1.0 / 64.0);
+            if end_m > *near_m {
+                *far_m = far_m.min(end_m);
+            }
+        }
+        fitted
+    }
+
     /// The frustum for a target of this size in pixels.
     pub fn frustum(&self, size_px: [u32; 2]) -> ViewFrustum {
         let aspect = f64::from(size_px[0]) / f64::from(size_px[1]);

@@ -195,6 +195,16 @@ pub enum Weights {
     Apart,
 }
 
+/// Where the sides begin through which the view enters a volume, next to the caster by less than rounding can tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Begin {
+    /// A little behind it, as those through which the view leaves.
+    Behind,
+    /// A little before it: what is seen of the caster may be turned away from the light and is not to be in the caster's own
+    /// shadow, which the view enters through these sides and leaves through a cap that is moved ahead as well.
+    Ahead,
+}
+
 /// The sides of one weight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SideRun {
@@ -204,8 +214,8 @@ pub struct SideRun {
     pub near: Range<u32>,
     /// Second triangle (q, p∞, q∞) of every side.
     pub far: Range<u32>,
-    /// Both triangles of every side once more, with q and p a little before the caster; empty unless [`Half::Unlit`]
-    /// casts.
+    /// Both triangles of every side once more, with q and p a little before the caster; empty unless they
+    /// [begin](Begin) there.
     pub ahead: Range<u32>,
 }
 
@@ -241,7 +251,7 @@ impl VolumeIndices {
         shape: &CastShape<'_>,
         facing: &CasterFacing,
         triangles: &[u32],
-        weights: Weights,
+        (weights, begin): (Weights, Begin),
         (light, end): (DVec4, End),
     ) -> Self {
         let topology = shape.topology();
@@ -269,7 +279,7 @@ impl VolumeIndices {
             let far_run =
                 run(&mut |i| of_weight.iter().for_each(|&[p, q]| i.extend([near(q), far(p), far(q)])));
             let ahead_run = run(&mut |i| {
-                let of_weight = if facing.half == Half::Unlit { &of_weight[..] } else { &[] };
+                let of_weight = if begin == Begin::Ahead { &of_weight[..] } else { &[] };
                 of_weight.iter().for_each(|&[p, q]| i.extend([ahead(q), ahead(p), far(p)]));
                 of_weight.iter().for_each(|&[p, q]| i.extend([ahead(q), far(p), far(q)]));
             });
@@ -355,29 +365,52 @@ impl FrontCaps {
     ) -> Self {
         let own_count = instance.mesh.triangle_count() as u32;
         let welded = shape.topology().triangles();
-        let mut cap_of = |triangle: u32, seen_as: Option<u32>| -> Vec<u32> {
-            let corners = welded[triangle as usize];
-            // The mesh's own indices, as the visible surface has them.
-            let whole = seen_as.map_or(corners, |own| instance.mesh.triangle(own as usize));
-            // The reverse of a triangle is that triangle, counted the other way round.
-            let is_reverse = seen_as.is_some_and(|own| own != triangle);
-            let slivers = cutter.as_mut().map_or_else(Vec::new, |cutter| cutter.slivers(corners));
-            let slivers = slivers.into_iter().map(|[a, b, c]| if is_reverse { [a, c, b] } else { [a, b, c] });
-            std::iter::once(whole).chain(slivers).flatten().map(cap).collect()
-        };
         let mut caps = Self::default();
+        let (mut own_slivers, mut unseen_slivers) = (Slivers::default(), Slivers::default());
         for (turned, list) in [&chain.caps_front, &chain.caps_back].into_iter().enumerate() {
             for &triangle in list {
-                if triangle < own_count {
-                    caps.own[turned].extend(cap_of(triangle, Some(triangle)));
+                let corners = welded[triangle as usize];
+                let slivers = if triangle < own_count {
+                    caps.own[turned].extend(instance.mesh.triangle(triangle as usize).map(cap));
+                    &mut own_slivers
                 } else if matches!(shape, CastShape::Doubled(_)) {
-                    caps.own[1 - turned].extend(cap_of(triangle, Some(triangle - own_count)));
+                    // The reverse of a triangle is that triangle, counted the other way round.
+                    let own = instance.mesh.triangle((triangle - own_count) as usize);
+                    caps.own[1 - turned].extend(own.map(cap));
+                    &mut own_slivers
                 } else {
-                    caps.unseen[turned].extend(cap_of(triangle, None));
+                    caps.unseen[turned].extend(corners.map(cap));
+                    &mut unseen_slivers
+                };
+                for sliver in cutter.as_mut().map_or_else(Vec::new, |cutter| cutter.slivers(corners)) {
+                    slivers.add(sliver, [1, -1][turned]);
                 }
             }
         }
+        caps.own[0].extend(own_slivers.left().map(cap));
+        caps.unseen[0].extend(unseen_slivers.left().map(cap));
         caps
+    }
+}
+
+/// What lies between edges and the places where they are cut, and how often it counts. Where two caps meet their slivers cancel,
+/// and are not to be drawn: a sliver that the near plane cuts covers what it likes.
+#[derive(Default)]
+struct Slivers(BTreeMap<[u32; 3], i32>);
+
+impl Slivers {
+    /// Adds (end, cut, end), which counts `count` times as it is wound.
+    fn add(&mut self, [p, middle, q]: [u32; 3], count: i32) {
+        let (sliver, count) = if p < q { ([p, middle, q], count) } else { ([q, middle, p], -count) };
+        *self.0.entry(sliver).or_default() += count;
+    }
+
+    /// The corners of those that are left, wound so that each counts once.
+    fn left(self) -> impl Iterator<Item = u32> {
+        self.0.into_iter().flat_map(|([p, middle, q], count)| {
+            let sliver = if count > 0 { [p, middle, q] } else { [q, middle, p] };
+            std::iter::repeat_n(sliver, count.unsigned_abs() as usize).flatten()
+        })
     }
 }
 

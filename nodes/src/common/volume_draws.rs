@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use shadowgraph_engine::geometry::GroupMember;
+use shadowgraph_engine::math::Projection;
 use shadowgraph_engine::plan::{
     BlendComponent, BlendFactor, BlendOperation, BlendState, BufferDesc, CompareFunction, DrawState,
     Resource, Shader, ShaderError,
@@ -13,7 +14,7 @@ use shadowgraph_engine::shadow::{Binding, Draw, Geometry, LightContext, PassList
 use super::beside_light::CutVertex;
 use super::extrusion::End;
 use super::layer_groups::Caster;
-use super::volume::{Half, VolumeIndices, VolumeUniform, Weights};
+use super::volume::{Begin, Half, VolumeIndices, VolumeUniform, Weights};
 
 /// One caster's volume, with everything the view decides about it.
 #[derive(Clone, Debug)]
@@ -40,6 +41,11 @@ pub struct Volume<'a> {
 }
 
 impl Volume<'_> {
+    /// Where the sides begin through which the view enters it.
+    fn begin(&self) -> Begin {
+        if self.half == Half::Unlit || self.falls_on_itself { Begin::Ahead } else { Begin::Behind }
+    }
+
     /// The caster's name and what was chosen for it.
     pub fn name(&self) -> String {
         let mode = match self.half {
@@ -74,6 +80,8 @@ pub struct Buffers {
     cuts: Option<Resource>,
     /// For each record: where its indices begin, and their runs.
     indices: Vec<(u32, Arc<VolumeIndices>)>,
+    /// How far caps are moved, in last digits of the largest depth of a triangle.
+    cap_bias: i32,
 }
 
 /// Uploads the indices and records of `groups`, of which every member is a caster's number in `volumes`.
@@ -91,12 +99,13 @@ pub fn upload(
     let mut first = 0;
     let mut cuts: Vec<CutVertex> = Vec::new();
     for member in groups.iter().flatten() {
-        let Volume { caster: Caster { index, instance, shape, key, facing }, end, .. } =
-            &volumes[member.caster];
-        let key = hash_of((key, &member.triangles, weights, matches!(end, End::Reach(_))));
+        let volume = &volumes[member.caster];
+        let Volume { caster: Caster { index, instance, shape, key, facing }, end, .. } = volume;
+        let listed = (weights, volume.begin());
+        let key = hash_of((key, &member.triangles, listed, matches!(end, End::Reach(_))));
         let runs = light.cache.get_or_compute("volume indices", key, || {
             let triangles = member.triangles.as_ref().unwrap_or(&facing.cast);
-            VolumeIndices::new(instance, shape, facing, triangles, weights, (position, *end))
+            VolumeIndices::new(instance, shape, facing, triangles, listed, (position, *end))
         });
         records.push(VolumeUniform::new(instance, *index, position, *end, cuts.len() as u32));
         cuts.extend(&runs.cuts);
@@ -132,7 +141,7 @@ pub fn upload(
         let (key, contents) = (hash_of(("cut vertices", bytes)), Arc::new(bytes.to_vec()));
         out.buffer(BufferDesc::storage(&format!("cut vertices of {name}"), key, contents, &reason))
     });
-    Buffers { index_slot, records, cuts, indices }
+    Buffers { index_slot, records, cuts, indices, cap_bias: cap_bias(&light.view.camera.projection) }
 }
 
 /// Neighbouring indices that count alike.
@@ -176,11 +185,11 @@ impl How {
     }
 
     /// See [`DrawState::depth_bias`].
-    pub fn depth_bias(&self) -> i32 {
+    pub fn depth_bias(&self, cap_bias: i32) -> i32 {
         match self.caps {
             None => 0,
-            Some(Caps::Behind) => -CAP_BIAS,
-            Some(Caps::Ahead) => CAP_BIAS,
+            Some(Caps::Behind) => -cap_bias,
+            Some(Caps::Ahead) => cap_bias,
         }
     }
 }
@@ -191,7 +200,17 @@ impl How {
 /// same plane has other depths, by some tens of roundings of the largest depth on it: so a cap counts as before what it is
 /// before by more than that, the measures' own constant. A bias with a share of the slope would hold for steeper views, but a
 /// cap and a side that meet at an edge would no longer agree there.
-const CAP_BIAS: i32 = 64;
+const CAP_BIAS: i32 = 48;
+
+/// The same for orthographic depth: a difference of two numbers up to 1 loses no more at one end of a triangle than at the other.
+const ORTHOGRAPHIC_CAP_BIAS: i32 = 12;
+
+fn cap_bias(projection: &Projection) -> i32 {
+    match projection {
+        Projection::Perspective { .. } => CAP_BIAS,
+        Projection::Orthographic { .. } => ORTHOGRAPHIC_CAP_BIAS,
+    }
+}
 
 /// Where caps are drawn, by what depth cannot tell apart: what lies in a cap's own plane is never in its shadow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -219,16 +238,17 @@ pub fn runs(volume: &Volume<'_>, indices: &VolumeIndices) -> Vec<Run> {
     let mut wanted = Vec::new();
     for side in &indices.sides {
         let how = How::both(side.weight as i32);
-        // What is seen of a far side lies right behind the sides through which the view enters: they begin before it. (A
+        // What is seen of a far side lies right behind the sides through which the view enters: they begin before it. So do
+        // those of what is seen from behind and not dark, which the view leaves through a cap that is moved ahead. (A
         // side taken to be before what it touches only adds to a count there: it cannot cancel another's, and a move of
         // the receiver by the ambiguity band's ulps would put it in the volume.)
-        let unlit = volume.half == Half::Unlit;
-        let how = if unlit { How { faces: Faces::Leaving, ..how } } else { how };
+        let begins_ahead = volume.begin() == Begin::Ahead;
+        let how = if begins_ahead { How { faces: Faces::Leaving, ..how } } else { how };
         wanted.push((&side.near, how));
         if !meets_at_infinity {
             wanted.push((&side.far, how));
         }
-        if unlit {
+        if begins_ahead {
             wanted.push((&side.ahead, How { faces: Faces::Entering, ..how }));
         }
     }
@@ -289,7 +309,7 @@ pub fn volume_draws(
     let draw = |run: Run| {
         let (shader, mut state) = counting(run.how, flags)?;
         state.depth_clamp = volume.clamp_depth;
-        state.depth_bias = run.how.depth_bias();
+        state.depth_bias = run.how.depth_bias(buffers.cap_bias);
         let geometry = Geometry::Indexed {
             shader,
             instance: volume.caster.index as u32,

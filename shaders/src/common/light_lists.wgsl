@@ -2,6 +2,7 @@
 // the CPU, and the exact test of a receiver's segment to the light against one of them.
 
 #import common/frame
+#import common/receiver_depth
 
 // What a triangle hides from the light: the planes through the light and an edge, as (normal, offset) relative to the
 // caster's centre. The line from a point to the light passes through the triangle where none of the three is negative.
@@ -58,14 +59,15 @@ struct ListView {
 @group(1) @binding(3) var<storage, read> lists: array<u32>;
 @group(1) @binding(4) var receiver_depth: texture_depth_2d;
 
-// How many ulps the receiver's depth may be off: below the 64 that measures allow for.
-const DEPTH_ULPS: u32 = 48u;
 // What rounding leaves of a difference of positions around the eye, relative to their distance.
 const ROUNDING: f32 = 4e-7;
 // How far a point may be from where its cell is looked up, relative to all distances that go into it. Projecting it and
 // testing it against a cone's planes are two dozen roundings of 2^-24 each; this is 64.
 const CELL_ROUNDING: f32 = 3.8e-6;
 const TINY: f32 = 1e-30;
+// How far rasterisers move each coordinate of a corner, in pixels, to have it on their grid: a pixel shows the depth of a place as
+// near as that.
+const CORNER_SNAP: f32 = 1.0 / 512.0;
 
 // A visible point.
 struct Receiver {
@@ -78,16 +80,6 @@ struct Receiver {
 
 fn world_from_view(d: vec3f) -> vec3f {
     return lists_seen.world_x * d.x + lists_seen.world_y * d.y + lists_seen.world_z * d.z;
-}
-
-// The visible point `ulps` ulps of depth nearer to the horizon, from the eye, in view space.
-fn deeper(pixel: vec2f, depth: f32) -> vec3f {
-    if frame.eye_w > 0.0 {
-        let ulps = min(DEPTH_ULPS, bitcast<u32>(depth) - 1u);
-        return view_from_pixel(pixel, bitcast<f32>(bitcast<u32>(depth) - ulps));
-    }
-    // Orthographic depth is a difference of two numbers around 1: an ulp is one of 1.
-    return view_from_pixel(pixel, depth - f32(DEPTH_ULPS) * 1.1920929e-7);
 }
 
 // The visible point of a pixel that is not empty.
@@ -141,10 +133,16 @@ fn inside_edges(cone: ListedCone, from_center: vec3f) -> vec3f {
 }
 
 // Whether a receiver lies strictly behind a triangle through `corner` (from the eye), wherever within the uncertainty of
-// its depth it is: else it may lie on the triangle itself.
+// its depth it is, and of its pixel: else it may lie on the triangle itself.
 fn is_behind(receiver: Receiver, corner: vec3f, away: vec3f) -> bool {
     let height = dot(away, receiver.p - corner);
-    let step = world_from_view(deeper(receiver.pixel, receiver.depth)) - receiver.p;
-    let uncertain = abs(dot(away, step)) + ROUNDING * (length(receiver.p) + length(corner));
+    let seen = view_from_pixel(receiver.pixel, receiver.depth);
+    let step = world_from_view(deeper(receiver.pixel, receiver.depth) - seen);
+    let snap = vec2f(CORNER_SNAP, 0.0);
+    let right = world_from_view(view_from_pixel(receiver.pixel + snap, receiver.depth) - seen);
+    let down = world_from_view(view_from_pixel(receiver.pixel + snap.yx, receiver.depth) - seen);
+    let away_in_view = vec3f(dot(away, lists_seen.world_x), dot(away, lists_seen.world_y), dot(away, lists_seen.world_z));
+    let rounded = abs(dot(away, step)) * depth_loss(seen, away_in_view);
+    let uncertain = rounded + abs(dot(away, right)) + abs(dot(away, down)) + ROUNDING * (length(receiver.p) + length(corner));
     return height > uncertain;
 }

@@ -4,6 +4,7 @@
 // unit disc is seen in the direction (k·x, k·y, 1), k the disc's radius over its distance.
 
 #import common/frame
+#import common/receiver_depth
 
 // Triangles that lie together, and the sphere around them.
 struct SoftCluster {
@@ -172,11 +173,6 @@ fn take_light(in: SoftVaryings) {
 @group(1) @binding(6) var receiver_depth: texture_depth_2d;
 @group(1) @binding(7) var receiver_normals: texture_2d<f32>;
 
-// How many ulps the receiver's depth may be off: below the 64 that measures allow for.
-const DEPTH_ULPS: u32 = 48u;
-// A rasteriser evaluates depth as a plane over the target: it loses some roundings of the largest depth that this plane has
-// there. So many times one's own it may be before more ulps than DEPTH_ULPS are lost.
-const STEEPEST_DEPTH: f32 = 16.0;
 // What rounding leaves of a height over a plane, relative to the distances of point and plane from the eye.
 const ROUNDING: f32 = 6e-7;
 
@@ -202,14 +198,6 @@ fn world_from_view(d: vec3f) -> vec3f {
     return soft.world_x * d.x + soft.world_y * d.y + soft.world_z * d.z;
 }
 
-// The visible point `ulps` ulps of depth nearer to the horizon, from the eye, in view space.
-fn deeper(pixel: vec2f, depth: f32) -> vec3f {
-    // Orthographic depth is a difference of two numbers around 1: an ulp is one of 1.
-    let ulps = min(DEPTH_ULPS, bitcast<u32>(depth) - 1u);
-    let ulps_deeper = bitcast<f32>(bitcast<u32>(depth) - ulps);
-    return view_from_pixel(pixel, select(depth - f32(DEPTH_ULPS) * 1.1920929e-7, ulps_deeper, frame.eye_w > 0.0));
-}
-
 // The point that depth says, so many times as far from the eye.
 fn farther(p: vec3f, times: f32) -> vec3f {
     return select(vec3f(p.xy, p.z * times), p * times, frame.eye_w > 0.0);
@@ -228,15 +216,6 @@ fn receiver_at(pixel: vec2f, depth: f32, normal: vec4f) -> Receiver {
     let k = select(0.0, soft.radius * inverseSqrt(max(tangent, 1e-37)), tangent > 0.0);
     r.k = select(soft.radius, k, soft.light.w > 0.0);
     return r;
-}
-
-// By how much more than DEPTH_ULPS the depth of a surface with this normal (in view space) may be off at the point `p`.
-fn depth_loss(p: vec3f, normal: vec3f) -> f32 {
-    // The plane's depth is proportional to normal·d in the direction d = (x, y, −1): largest at a corner of the target.
-    let widest = abs(normal.x / frame.clip_from_view[0].x) + abs(normal.y / frame.clip_from_view[1].y) + abs(normal.z);
-    let here = abs(dot(normal, p) / p.z);
-    let steepness = widest / max(here, 1e-37);
-    return select(1.0, max(1.0, steepness / STEEPEST_DEPTH), frame.eye_w > 0.0);
 }
 
 // The same with its frame, and with how far it may be off. `normal` is what the image of receivers' normals has there.

@@ -47,12 +47,12 @@ const FIRST_CUT: u32 = 0x20000000u;
 // depth is interpolated: from the corners of the visible surface, in its order, they have its very depth until then.
 const SIDE_SHIFT: f32 = 9.5367431640625e-7;
 
-// Four roundings before the surface: for sides that begin at a visible triangle which is not to be behind them by chance.
-const AHEAD_SHIFT: f32 = 2.384185791015625e-7;
+// As much before the surface: for sides that begin at a visible triangle which is not to be before them by chance.
+const AHEAD_SHIFT: f32 = 9.5367431640625e-7;
 
 // A corner moved towards the eye by a share of its depth.
 fn moved_nearer(clip: vec4f, share: f32) -> vec4f {
-    let depth_unit = select(clip.w, clip.z, frame.eye_w > 0.0);
+    let depth_unit = select(0.5 * clip.w, clip.z, frame.eye_w > 0.0);
     return vec4f(clip.xy, clip.z + depth_unit * share, clip.w);
 }
 
