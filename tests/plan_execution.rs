@@ -111,7 +111,7 @@ fn lights_of_one_name_have_factors_of_their_own() {
     let frame = renderer.render(&scene, &request, &RenderOptions::default()).unwrap();
     let dark = |at: usize| frame.factors[at].pixels.floats().unwrap().iter().filter(|f| **f == 0.0).count();
     assert_eq!(frame.factors.len(), 2);
-    assert!(dark(0) > 100 && dark(1) < dark(0), "{} and {} dark pixels", dark(0), dark(1));
+    assert!(dark(0) > dark(1), "{} and {} dark pixels", dark(0), dark(1));
 }
 
 /// Two textures of one name and shape, of which the first is read after the second was drawn.

@@ -98,7 +98,7 @@ impl FramePlan {
                     return Err(wrong_kind(
                         pass,
                         slot,
-                        "a depth attachment with the stated layer and stencil",
+                        "a depth attachment with the stated stencil and layer",
                     ));
                 }
                 let clears = matches!(depth.depth, Access::Clear(_)) || stencil_alone;

@@ -32,6 +32,7 @@ pub fn plan_frame(
     let surfaces = &Surfaces::of(posed, &view);
     let inputs = &Inputs { posed, registry, request, adapter, cache, view: &view, surfaces };
     let mut needs = first_needs(inputs);
+    let picture = Picture::new(inputs, &mut needs)?;
 
     // What the nodes of every light plan for the opaque surfaces, and for each layer of transparent ones.
     let depth = needs.depth("depth", request.antialias.samples(), "hidden surfaces");
@@ -39,9 +40,10 @@ pub fn plan_frame(
     let layers = layers::plan(inputs, &mut needs, &opaque)?;
     check_darkening(inputs, &opaque)?;
 
-    // Where all these factors are going to be, and the picture.
+    // Where all these factors are going to be.
     let factors = Factors::place(inputs, &mut needs, &opaque, layers.as_ref())?;
-    let picture = Picture::new(inputs, &mut needs, layers.as_ref().is_some_and(|l| l.count() > 1))?;
+    let layer_count = layers.as_ref().map_or(0, Layered::count);
+    let picture = picture.of_layers(inputs, &mut needs, layer_count);
 
     // The passes: what is seen, each light's factors, all lights at once, transparent layers, the finished picture.
     let (needs_mut, passes) = (&mut needs, &mut Schedule::default());
@@ -71,7 +73,7 @@ pub fn plan_frame(
         visibility: lowered.visibility,
         light_mask: factors.mask,
         visible_triangles: seen.triangles.filter(|_| request.factors),
-        layers: layers.as_ref().map_or(0, Layered::count),
+        layers: layer_count,
         layer_triangles: kept().map(|layer| layer.triangles).collect(),
         shadowed_px: lowered.shadowed_px,
         notes: lowered.notes,

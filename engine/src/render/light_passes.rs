@@ -27,7 +27,8 @@ pub(super) fn add<'p>(
         let mut images = Images { inputs, factors, light: index, own_shadow, image: None };
         let name = &inputs.posed.lights[index].name;
         if let Some(part) = &light.alone {
-            let mut group = part.group(scope, nodes, name)?;
+            schedule.push_group(part.group(scope, nodes, name)?);
+            let mut group = Group::new(&Scope { visibility: part.layer, ..scope.clone() });
             images.add(needs, &mut group, part.place())?;
             if part.is_counted() {
                 group.push(resolve::to_nothing(name)?);

@@ -20,15 +20,11 @@ pub(super) struct Picture {
 }
 
 impl Picture {
-    /// The textures that `request` asks for; `blends_layers` if several layers are blended over one another.
+    /// The textures that are asked for.
     ///
     /// # Errors
     /// What the adapter cannot do with four samples a pixel.
-    pub(super) fn new(
-        inputs: &Inputs<'_>,
-        needs: &mut Needs,
-        blends_layers: bool,
-    ) -> Result<Self, FrameError> {
+    pub(super) fn new(inputs: &Inputs<'_>, needs: &mut Needs) -> Result<Self, FrameError> {
         let (request, drawn_px) = (inputs.request, inputs.view.size_px);
         let format = match request.picture {
             PictureFormat::Srgb8 => TextureFormat::Rgba8UnormSrgb,
@@ -48,12 +44,17 @@ impl Picture {
                 needs.texture("picture at twice the size", format, drawn_px, reason)
             }
         };
-        let mut drawn = averaged;
-        if blends_layers && request.picture == PictureFormat::Srgb8 {
+        Ok(Self { finished, averaged, drawn: averaged })
+    }
+
+    /// The same picture, into which so many layers are blended.
+    pub(super) fn of_layers(mut self, inputs: &Inputs<'_>, needs: &mut Needs, layers: u32) -> Self {
+        if layers > 1 && inputs.request.picture == PictureFormat::Srgb8 {
             let reason = "blended into layer by layer, in more digits than pictures have";
-            drawn = needs.texture("picture in layers", TextureFormat::Rgba16Float, drawn_px, reason);
+            let (format, size_px) = (TextureFormat::Rgba16Float, inputs.view.size_px);
+            self.drawn = needs.texture("picture in layers", format, size_px, reason);
         }
-        Ok(Self { finished, averaged, drawn })
+        self
     }
 
     /// Rounds and averages what was drawn. (Samples are resolved by the last pass that draws into them.)
