@@ -283,7 +283,7 @@ fn what_has_no_samples_is_refused_with_what_is_accepted() {
     scene.add_shadow("fog", ShadowNode::new("Veil"));
     let plan = |scene: &Scene, request: &FrameRequest, adapter: &Adapter<'_>| {
         let catalog = common::catalog_with_veil();
-        common::try_plan_with(scene, request, &catalog, adapter, &mut Cache::new())
+        common::try_plan_with(scene, request, &catalog, adapter, &Cache::new())
     };
     let error = plan(&scene, &four, &Adapter::imagined()).unwrap_err();
     assert!(matches!(error, FrameError::Shadow(ShadowError::NotPerSample { .. })));

@@ -230,8 +230,8 @@ fn a_frame_that_fails_leaves_nothing_that_counts_as_drawn() {
 fn plans_say_what_is_kept_and_refuse_what_cannot_be() {
     let plan = |nodes: &[(u64, u32)]| {
         let adapter = shadowgraph::engine::manager::Adapter::imagined();
-        let mut cache = shadowgraph::engine::shadow::Cache::new();
-        common::try_plan_with(&yard(nodes), &common::request(), &catalog(), &adapter, &mut cache).unwrap()
+        let cache = shadowgraph::engine::shadow::Cache::new();
+        common::try_plan_with(&yard(nodes), &common::request(), &catalog(), &adapter, &cache).unwrap()
     };
     let valid = plan(&[(31, 8)]);
     let text = valid.to_string();

@@ -307,7 +307,7 @@ fn only_the_nearest_layer_is_shadowed_when_that_is_asked_for() {
 }
 
 fn plan_of(scene: &Scene, request: &FrameRequest) -> Result<FramePlan, FrameError> {
-    common::try_plan_with(scene, request, &catalog(), &Adapter::imagined(), &mut Cache::new())
+    common::try_plan_with(scene, request, &catalog(), &Adapter::imagined(), &Cache::new())
 }
 
 #[test]

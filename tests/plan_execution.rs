@@ -77,7 +77,7 @@ fn scene() -> Scene {
 
 fn plan(entry: TechniqueEntry) -> Result<shadowgraph::engine::plan::FramePlan, ShadowError> {
     let (catalog, adapter) = (catalog(entry), shadowgraph::engine::manager::Adapter::imagined());
-    let cache = &mut shadowgraph::engine::shadow::Cache::new();
+    let cache = &shadowgraph::engine::shadow::Cache::new();
     common::try_plan_with(&scene(), &common::request(), &catalog, &adapter, cache).map_err(
         |error| match error {
             shadowgraph::engine::manager::FrameError::Shadow(error) => error,

@@ -22,7 +22,7 @@ fn a_light_shaded_from_the_stencil_has_it_for_itself() {
     scene.add_shadow("shadows", hard(&[]).with_lights([lamp, second]).with_casters([first]));
     scene.add_shadow("veils", ShadowNode::new("Veil").with_lights([second]).with_casters([other]));
     let catalog = catalog_with_veil();
-    let plan = try_plan_with(&scene, &request(), &catalog, &Adapter::imagined(), &mut Cache::new()).unwrap();
+    let plan = try_plan_with(&scene, &request(), &catalog, &Adapter::imagined(), &Cache::new()).unwrap();
     assert_eq!(plan.lights[1].factor, FactorAt::Visibility(0));
     if plan.lights[0].factor == FactorAt::Counts {
         let after = plan.passes.iter().skip_while(|pass| pass.name != "volumes of lamp").skip(1);

@@ -166,8 +166,8 @@ fn normals_are_those_of_triangles_and_turned_surfaces_keep_what_the_technique_sa
 fn normals_are_in_the_plan_only_when_asked_for() {
     let plan = |scene: &Scene, request: &FrameRequest| {
         let adapter = shadowgraph::engine::manager::Adapter::imagined();
-        let mut cache = shadowgraph::engine::shadow::Cache::new();
-        common::try_plan_with(scene, request, &catalog(), &adapter, &mut cache)
+        let cache = shadowgraph::engine::shadow::Cache::new();
+        common::try_plan_with(scene, request, &catalog(), &adapter, &cache)
     };
     let has = |plan: &shadowgraph::engine::plan::FramePlan, name: &str| {
         plan.slots.iter().any(|slot| slot.name == name)

@@ -141,8 +141,8 @@ fn triangles_light_and_world_are_where_they_are_said_to_be() {
 fn visible_triangles_are_in_the_plan_only_when_asked_for() {
     let plan = |scene: &Scene, request: &FrameRequest| {
         let adapter = shadowgraph::engine::manager::Adapter::imagined();
-        let mut cache = shadowgraph::engine::shadow::Cache::new();
-        common::try_plan_with(scene, request, &catalog(), &adapter, &mut cache)
+        let cache = shadowgraph::engine::shadow::Cache::new();
+        common::try_plan_with(scene, request, &catalog(), &adapter, &cache)
     };
     let asked = plan(&scene(), &common::request()).unwrap();
     assert_eq!(asked.passes_named("visible triangles").count(), 1);

@@ -324,7 +324,7 @@ fn shadows_may_darken_the_finished_picture() {
 }
 
 fn try_plan(scene: &Scene, request: &FrameRequest, adapter: &Adapter<'_>) -> Result<FramePlan, FrameError> {
-    common::try_plan_with(scene, request, &catalog(), adapter, &mut Cache::new())
+    common::try_plan_with(scene, request, &catalog(), adapter, &Cache::new())
 }
 
 fn plan(lamps: &[&[Mark]], factors: bool) -> FramePlan {

@@ -51,7 +51,7 @@ pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     print_animations(&scene);
     let planned = Registry::collect(&posed, &catalog()).map_err(RenderError::from).and_then(|registry| {
         let request = FrameRequest::new(camera.clone(), size);
-        let plan = plan_frame(&posed, &registry, &request, &Adapter::imagined(), &mut Cache::new())?;
+        let plan = plan_frame(&posed, &registry, &request, &Adapter::imagined(), &Cache::new())?;
         Ok((registry, plan))
     });
     let (registry, plan) = match planned {

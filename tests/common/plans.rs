@@ -109,7 +109,7 @@ pub(crate) fn try_plan_with(
     request: &FrameRequest,
     catalog: &Catalog,
     adapter: &Adapter<'_>,
-    cache: &mut Cache,
+    cache: &Cache,
 ) -> Result<FramePlan, FrameError> {
     let posed = scene.pose().expect("the scene is valid");
     plan_frame(&posed, &Registry::collect(&posed, catalog)?, request, adapter, cache)
@@ -117,7 +117,7 @@ pub(crate) fn try_plan_with(
 
 pub(crate) fn try_plan(scene: &Scene, request: &FrameRequest) -> Result<FramePlan, FrameError> {
     let catalog = shadowgraph_nodes::catalog();
-    try_plan_with(scene, request, &catalog, &Adapter::imagined(), &mut Cache::new())
+    try_plan_with(scene, request, &catalog, &Adapter::imagined(), &Cache::new())
 }
 
 pub(crate) fn plan(scene: &Scene, request: &FrameRequest) -> FramePlan {

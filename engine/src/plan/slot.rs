@@ -6,7 +6,7 @@ use wgpu::TextureFormat;
 
 use crate::scene::ImageKey;
 
-/// A slot of the plan, by its place in [`FramePlan::slots`].
+/// A slot of the plan, by its place in [`FramePlan::slots`](super::FramePlan::slots).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct SlotId(pub usize);
 
@@ -35,7 +35,7 @@ pub enum SlotKind {
         size_px: [u32; 2],
         /// Array layers.
         layers: u32,
-        /// Samples of a pixel: 1, or those of [`Antialias::Multisample4`].
+        /// Samples of a pixel: 1, or those of [`Antialias::Multisample4`](super::Antialias::Multisample4).
         samples: u32,
     },
     /// A buffer whose contents were computed while planning.
