@@ -14,7 +14,7 @@ use shadowgraph::engine::plan::{
 use shadowgraph::engine::scene::{Instance, ParamValue, Params};
 use shadowgraph::engine::shadow::{
     Binding, Catalog, Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, OptionError, Pass,
-    PassList, ShadowError, ShadowTechnique, TechniqueEntry,
+    PassList, ShadowError, ShadowTechnique, TechniqueEntry, Traits,
 };
 use shadowgraph::prelude::*;
 
@@ -53,17 +53,13 @@ fn pass(name: &str, color: ColorTarget, draw: Draw) -> Pass {
 }
 
 impl ShadowTechnique for Keeper {
-    fn type_name(&self) -> &'static str {
-        "Keeper"
-    }
-
     fn params(&self) -> Params {
         let number = |value: f64| ParamValue::Number(value);
         [("key".into(), number(self.key as f64)), ("size".into(), number(self.size.into()))].into()
     }
 
-    fn known_error(&self) -> &'static str {
-        "everything"
+    fn traits(&self) -> Traits {
+        Traits { known_error: "everything", ..Traits::default() }
     }
 
     fn casts(&self, _: &Instance) -> Result<bool, String> {

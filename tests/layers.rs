@@ -16,7 +16,7 @@ use shadowgraph::engine::plan::{FramePlan, SlotKind};
 use shadowgraph::engine::scene::{AlphaMode, Instance, ParamValue, Params};
 use shadowgraph::engine::shadow::{
     Cache, Catalog, Contribution, Layers, LightContext, PassList, ShadowError, ShadowTechnique,
-    TechniqueEntry,
+    TechniqueEntry, Traits,
 };
 use shadowgraph::measure::{
     ErrorTable, LayerEvaluation, LightQuery, LightSize, Reference, ReferenceShadow, Samples, SizedCasters,
@@ -30,20 +30,12 @@ use shadowgraph::prelude::*;
 struct HardOnLayers(ShadowVolumeHard, Layers);
 
 impl ShadowTechnique for HardOnLayers {
-    fn type_name(&self) -> &'static str {
-        "HardOnLayers"
-    }
-
     fn params(&self) -> Params {
         self.0.params()
     }
 
-    fn known_error(&self) -> &'static str {
-        self.0.known_error()
-    }
-
-    fn receiver_layers(&self) -> Layers {
-        self.1
+    fn traits(&self) -> Traits {
+        Traits { receiver_layers: self.1, ..self.0.traits() }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {

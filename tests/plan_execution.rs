@@ -8,13 +8,13 @@ mod common;
 use std::sync::Arc;
 
 use shadowgraph::engine::plan::{
-    Access, BufferDesc, CompareFunction, DrawState, MULTIPLY, PlanError, Shader, SlotKind, Stencil,
+    Access, BufferDesc, CompareFunction, DrawState, MULTIPLY, PlanError, Shader, Slot, SlotKind, Stencil,
     StencilFaceState, StencilOperation, TextureDesc, TextureFormat,
 };
-use shadowgraph::engine::scene::{Instance, Params};
+use shadowgraph::engine::scene::{Instance, ParamValue, Params};
 use shadowgraph::engine::shadow::{
     Binding, Catalog, Channels, ColorTarget, Contribution, DepthTarget, Draw, Geometry, LightContext, Pass,
-    PassList, ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
+    PassList, ShadowError, ShadowTechnique, TechniqueEntry, Traits, hash_of,
 };
 use shadowgraph::prelude::*;
 
@@ -25,16 +25,12 @@ type Plan = fn(&LightContext<'_>, &mut PassList<'_>) -> Result<Contribution, Sha
 struct Does(Plan);
 
 impl ShadowTechnique for Does {
-    fn type_name(&self) -> &'static str {
-        "Does"
-    }
-
     fn params(&self) -> Params {
         Params::new()
     }
 
-    fn known_error(&self) -> &'static str {
-        "everything"
+    fn traits(&self) -> Traits {
+        Traits { known_error: "everything", ..Traits::default() }
     }
 
     fn casts(&self, _: &Instance) -> Result<bool, String> {
@@ -259,4 +255,52 @@ fn layers_and_viewports_that_are_not_there_are_found() {
     assert!(matches!(error, ShadowError::Plan(PlanError::WrongKind { .. })), "{error}");
     let error = plan(does!(|_, out| map(out, 1, [40, 0, 32, 48]))).unwrap_err();
     assert!(matches!(error, ShadowError::Plan(PlanError::ViewportOutside { .. })), "{error}");
+}
+
+/// A device of the machine's adapter that was not given this feature.
+fn renderer_without(missing: wgpu::Features) -> Option<Renderer> {
+    let own = common::renderer()?.gpu().clone();
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    let adapter = adapters.into_iter().find(|adapter| adapter.get_info().name == own.info.name).unwrap();
+    let device = adapter.request_device(&wgpu::DeviceDescriptor {
+        required_features: own.features - missing,
+        required_limits: adapter.limits(),
+        ..Default::default()
+    });
+    let (device, queue) = pollster::block_on(device).unwrap();
+    Some(Renderer::new(Gpu::from_device(device, queue), shadowgraph_nodes::catalog()))
+}
+
+/// A device is asked only for what the frame needs, and each node states its own needs.
+#[test]
+fn only_what_counts_needs_a_stencil() {
+    let Some(mut renderer) = renderer_without(wgpu::Features::DEPTH32FLOAT_STENCIL8) else { return };
+    let mut render = |node: Option<ShadowNode>| {
+        let mut scene = common::yard();
+        let floor = scene.find("floor").unwrap();
+        if let Some(node) = node {
+            scene.add_shadow("shadows", node.with_receivers([floor]));
+        }
+        renderer.render(&scene, &common::request(), &RenderOptions::default()).map(|frame| frame.plan)
+    };
+    let number = ParamValue::Number;
+    for node in [
+        None,
+        Some(ShadowNode::new("ShadowVolumeSoft").with_param("radius", number(0.1))),
+        Some(ShadowNode::new("SoftShadow")),
+        Some(ShadowNode::new("ShadowVolumeHard").with_param("counter", ParamValue::Text("float".into()))),
+    ] {
+        let plan = render(node).unwrap();
+        let needs = TextureFormat::Depth32FloatStencil8;
+        let counts = |slot: &Slot| matches!(slot.kind, SlotKind::Texture { format, .. } if format == needs);
+        assert!(!plan.slots.iter().any(counts), "{plan}");
+    }
+    for name in ["ShadowVolumeHard", "TransparentShadow"] {
+        let error = render(Some(ShadowNode::new(name))).unwrap_err().to_string();
+        assert!(error.contains(name) && error.contains("DEPTH32FLOAT_STENCIL8"), "{error}");
+    }
+    let point = ShadowNode::new("ShadowVolumeSoft").with_param("radius", number(0.0));
+    let error = render(Some(point)).unwrap_err().to_string();
+    assert!(error.contains("ShadowVolumeSoft") && error.contains("DEPTH32FLOAT_STENCIL8"), "{error}");
 }

@@ -14,7 +14,7 @@ use shadowgraph::engine::plan::{CompareFunction, DrawState, Shader};
 use shadowgraph::engine::scene::{Image, Params, TextureRef};
 use shadowgraph::engine::shadow::{
     Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, Pass, PassList, ShadowError,
-    ShadowTechnique, TechniqueEntry,
+    ShadowTechnique, TechniqueEntry, Traits,
 };
 use shadowgraph::prelude::*;
 
@@ -190,22 +190,17 @@ fn what_exceeds_a_limit_is_named_with_the_limit() {
 /// A technique that draws a fullscreen triangle over the light's visibility with whatever shader it is made with.
 #[derive(Debug)]
 struct Painter {
-    type_name: &'static str,
     source: &'static str,
     fragment: &'static str,
 }
 
 impl ShadowTechnique for Painter {
-    fn type_name(&self) -> &'static str {
-        self.type_name
-    }
-
     fn params(&self) -> Params {
         Params::new()
     }
 
-    fn known_error(&self) -> &'static str {
-        "everything"
+    fn traits(&self) -> Traits {
+        Traits { known_error: "everything", ..Traits::default() }
     }
 
     fn casts(&self, _: &shadowgraph::engine::scene::Instance) -> Result<bool, String> {
@@ -239,7 +234,7 @@ macro_rules! painter {
             short_name: $name,
             summary: "a test",
             settings: &[],
-            from_params: |_| Ok(Arc::new(Painter { type_name: $name, source: $source, fragment: $fragment })),
+            from_params: |_| Ok(Arc::new(Painter { source: $source, fragment: $fragment })),
         }
     };
 }

@@ -15,8 +15,8 @@ use shadowgraph::cases;
 use shadowgraph::engine::plan::{CompareFunction, Stencil, StencilOperation};
 use shadowgraph::engine::scene::{Instance, Params};
 use shadowgraph::engine::shadow::{
-    Catalog, Contribution, Draw, Geometry, LightContext, LightSize, OptionError, PassList, Requirements,
-    ShadowError, ShadowTechnique, TechniqueEntry,
+    Catalog, Contribution, Draw, Geometry, LightContext, OptionError, PassList, ShadowError, ShadowTechnique,
+    TechniqueEntry, Traits,
 };
 use shadowgraph::prelude::*;
 
@@ -40,32 +40,16 @@ type PlanOf =
     fn(&dyn ShadowTechnique, &LightContext<'_>, &mut PassList<'_>) -> Result<Contribution, ShadowError>;
 
 impl ShadowTechnique for Broken {
-    fn type_name(&self) -> &'static str {
-        self.technique.type_name()
-    }
-
     fn params(&self) -> Params {
         self.technique.params()
     }
 
-    fn known_error(&self) -> &'static str {
-        "whatever was done to it"
-    }
-
-    fn requirements(&self) -> Requirements {
-        self.technique.requirements()
+    fn traits(&self) -> Traits {
+        self.technique.traits()
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
         self.technique.casts(instance)
-    }
-
-    fn light_size(&self) -> LightSize {
-        self.technique.light_size()
-    }
-
-    fn light_sample_count(&self) -> Option<u32> {
-        self.technique.light_sample_count()
     }
 
     fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {

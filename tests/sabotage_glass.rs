@@ -10,8 +10,8 @@ use std::sync::Arc;
 use shadowgraph::cases;
 use shadowgraph::engine::scene::{Instance, Params};
 use shadowgraph::engine::shadow::{
-    Catalog, Contribution, Draw, Geometry, Layers, LightContext, PassList, Requirements, ShadowError,
-    ShadowTechnique, TechniqueEntry,
+    Catalog, Contribution, Draw, Geometry, LightContext, PassList, ShadowError, ShadowTechnique,
+    TechniqueEntry, Traits,
 };
 use shadowgraph::measure::{evaluate, evaluate_layers};
 use shadowgraph::nodes::TransparentShadow;
@@ -22,28 +22,12 @@ use shadowgraph::prelude::*;
 struct Broken(TransparentShadow, fn(&mut Draw));
 
 impl ShadowTechnique for Broken {
-    fn type_name(&self) -> &'static str {
-        self.0.type_name()
-    }
-
     fn params(&self) -> Params {
         self.0.params()
     }
 
-    fn known_error(&self) -> &'static str {
-        "whatever was done to it"
-    }
-
-    fn requirements(&self) -> Requirements {
-        self.0.requirements()
-    }
-
-    fn casts_transparent(&self) -> bool {
-        self.0.casts_transparent()
-    }
-
-    fn receiver_layers(&self) -> Layers {
-        self.0.receiver_layers()
+    fn traits(&self) -> Traits {
+        self.0.traits()
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {

@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use shadowgraph::engine::scene::{Instance, Params};
 use shadowgraph::engine::shadow::{
-    Catalog, Contribution, Draw, Geometry, LightContext, PassList, Requirements, ShadowError,
-    ShadowTechnique, TechniqueEntry,
+    Catalog, Contribution, Draw, Geometry, LightContext, PassList, ShadowError, ShadowTechnique,
+    TechniqueEntry, Traits,
 };
 use shadowgraph::measure::evaluate;
 use shadowgraph::prelude::*;
@@ -157,20 +157,12 @@ fn edges_of(body: &shadowgraph::search::Body) -> (usize, usize, bool) {
 struct Broken(ShadowVolumeHard);
 
 impl ShadowTechnique for Broken {
-    fn type_name(&self) -> &'static str {
-        self.0.type_name()
-    }
-
     fn params(&self) -> Params {
         self.0.params()
     }
 
-    fn known_error(&self) -> &'static str {
-        "volumes without their last triangles"
-    }
-
-    fn requirements(&self) -> Requirements {
-        self.0.requirements()
+    fn traits(&self) -> Traits {
+        self.0.traits()
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {

@@ -12,7 +12,7 @@ use shadowgraph::engine::plan::{BufferDesc, CompareFunction, DrawState, Shader, 
 use shadowgraph::engine::scene::{Instance, NodeKey, Params, ShadowFlags};
 use shadowgraph::engine::shadow::{
     Binding, Catalog, Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, Pass, PassList,
-    ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
+    ShadowError, ShadowTechnique, TechniqueEntry, Traits, hash_of,
 };
 use shadowgraph::prelude::*;
 
@@ -39,16 +39,12 @@ fn facing(@builtin(position) position: vec4f) -> @location(0) vec4f {
 ";
 
 impl ShadowTechnique for Facing {
-    fn type_name(&self) -> &'static str {
-        if self.decides { "Facing" } else { "FacingUndecided" }
-    }
-
     fn params(&self) -> Params {
         Params::new()
     }
 
-    fn known_error(&self) -> &'static str {
-        "everything"
+    fn traits(&self) -> Traits {
+        Traits { known_error: "everything", ..Traits::default() }
     }
 
     fn casts(&self, _: &Instance) -> Result<bool, String> {

@@ -12,7 +12,7 @@ use shadowgraph::engine::plan::{BlendState, BufferDesc, CompareFunction, DrawSta
 use shadowgraph::engine::scene::{Instance, Params};
 use shadowgraph::engine::shadow::{
     Binding, Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, Pass, PassList, ShadowError,
-    ShadowTechnique, TechniqueEntry, hash_of,
+    ShadowTechnique, TechniqueEntry, Traits, hash_of,
 };
 use shadowgraph::prelude::*;
 
@@ -45,16 +45,12 @@ fn silhouette(@builtin(position) position: vec4f) -> @location(0) vec4f {
 ";
 
 impl ShadowTechnique for Silhouettes {
-    fn type_name(&self) -> &'static str {
-        "Silhouettes"
-    }
-
     fn params(&self) -> Params {
         Params::new()
     }
 
-    fn known_error(&self) -> &'static str {
-        "everything"
+    fn traits(&self) -> Traits {
+        Traits { known_error: "everything", ..Traits::default() }
     }
 
     fn casts(&self, _: &Instance) -> Result<bool, String> {

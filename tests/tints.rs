@@ -16,6 +16,7 @@ use shadowgraph::engine::scene::{Instance, ParamValue, Params, ShadowFlags};
 use shadowgraph::engine::shadow::{
     self as shadow, Cache, Catalog, Channels, ColorTarget, Contribution, DepthTarget, Draw, Features,
     Geometry, LightContext, OptionError, Pass, PassList, ShadowError, ShadowTechnique, TechniqueEntry,
+    Traits,
 };
 use shadowgraph::prelude::*;
 
@@ -51,10 +52,6 @@ fn half() -> @location(0) vec4f {
 ";
 
 impl ShadowTechnique for Mark {
-    fn type_name(&self) -> &'static str {
-        "Mark"
-    }
-
     fn params(&self) -> Params {
         let apply = f64::from(self.apply as u8);
         let bits = f64::from(u8::from(self.counts) + 2 * u8::from(self.visibility));
@@ -63,8 +60,8 @@ impl ShadowTechnique for Mark {
         all.into_iter().map(|(name, value)| (name.into(), ParamValue::Number(value))).collect()
     }
 
-    fn known_error(&self) -> &'static str {
-        "everything"
+    fn traits(&self) -> Traits {
+        Traits { known_error: "everything", ..Traits::default() }
     }
 
     fn casts(&self, _: &Instance) -> Result<bool, String> {

@@ -20,7 +20,7 @@ use shadowgraph::engine::plan::{BufferDesc, CompareFunction, DrawState, MULTIPLY
 use shadowgraph::engine::scene::{Instance, ParamValue, Params, ShadowNode};
 use shadowgraph::engine::shadow::{
     Binding, Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, OptionError, OptionReader,
-    Pass, PassList, Setting, ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
+    Pass, PassList, Setting, ShadowError, ShadowTechnique, TechniqueEntry, Traits, hash_of,
 };
 
 use super::disc::{Disc, NoDisc};
@@ -97,17 +97,14 @@ pub(crate) fn layouts() -> [(&'static str, shadowgraph::engine::gpu::Layout); 2]
 }
 
 impl ShadowTechnique for DiscShadow {
-    fn type_name(&self) -> &'static str {
-        TYPE_NAME
-    }
-
     fn params(&self) -> Params {
         Params::from([("edge".into(), ParamValue::Number(self.edge_m))])
     }
 
-    fn known_error(&self) -> &'static str {
-        "the receiver is rebuilt from f32 depth and the rim is a circle: pixels within one pixel of the shadow's edge, \
-         and receivers closer to a disc than 8 millionths of their distance to the eye, may be wrong"
+    fn traits(&self) -> Traits {
+        let known_error = "the receiver is rebuilt from f32 depth and the rim is a circle: pixels within one pixel of the shadow's edge, \
+         and receivers closer to a disc than 8 millionths of their distance to the eye, may be wrong";
+        Traits { known_error, ..Traits::default() }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {

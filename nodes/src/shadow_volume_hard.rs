@@ -38,8 +38,8 @@ use shadowgraph_engine::geometry::{capped, doubled};
 use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
-    Apply, ColorTarget, Contribution, DepthTarget, Draw, Features, LightContext, Pass, PassList,
-    Requirements, ShadowError, ShadowTechnique, hash_of,
+    Apply, ColorTarget, Contribution, DepthTarget, Draw, Features, LightContext, Pass, PassList, ShadowError,
+    ShadowTechnique, Traits, hash_of,
 };
 
 use crate::common::culling::{near_plane_may_be_shadowed, shows_its_inside};
@@ -51,7 +51,6 @@ use crate::common::volume_draws::{Volume, falls_on_itself, upload};
 use draws::{Counter, Fold, counting_draws, fold_pass};
 pub(crate) use float_counts::Layers;
 use float_counts::count_in_float;
-use options::TYPE_NAME;
 pub use options::{
     Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, ShadowVolumeHard, Terminator,
 };
@@ -77,16 +76,12 @@ macro_rules! one_darkening {
 }
 
 impl ShadowTechnique for ShadowVolumeHard {
-    fn type_name(&self) -> &'static str {
-        TYPE_NAME
-    }
-
     fn params(&self) -> Params {
         self.to_params()
     }
 
-    fn known_error(&self) -> &'static str {
-        match (self.passes, self.closure) {
+    fn traits(&self) -> Traits {
+        let known_error = match (self.passes, self.closure) {
             (Passes::Multi, Closure::None | Closure::Backfaces) => rounding!(),
             (Passes::Multi, Closure::Cap) => concat!(caps!(), "; and ", rounding!()),
             (Passes::Single { .. }, Closure::None | Closure::Backfaces) => {
@@ -95,20 +90,8 @@ impl ShadowTechnique for ShadowVolumeHard {
             (Passes::Single { .. }, Closure::Cap) => {
                 concat!(one_darkening!(), "; and ", caps!(), "; and ", rounding!())
             }
-        }
-    }
-
-    fn requirements(&self) -> Requirements {
-        match self.counter {
-            CounterKind::Auto | CounterKind::Stencil8 => Requirements {
-                required: Features::DEPTH32FLOAT_STENCIL8,
-                optional: Features::DEPTH_CLIP_CONTROL,
-            },
-            CounterKind::Float => Requirements {
-                required: Features::empty(),
-                optional: Features::DEPTH_CLIP_CONTROL | Features::FLOAT32_BLENDABLE,
-            },
-        }
+        };
+        Traits { known_error, ..Traits::default() }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
@@ -140,6 +123,7 @@ fn count_in_stencil(
     volumes: &[Volume<'_>],
     apply: Apply,
 ) -> Result<Contribution, ShadowError> {
+    light.require(Features::DEPTH32FLOAT_STENCIL8, "counting in the stencil")?;
     let casters: Vec<Caster<'_>> = volumes.iter().map(|volume| volume.caster.clone()).collect();
     let groups = group_by_layers(light, out, &casters, apply);
     let bound = if groups.folds { MAX_COUNT } else { groups.bound };

@@ -1,6 +1,6 @@
 //! `ShadowVolumeSoft`: soft shadows of any triangles, from spheres and discs of light.
 //!
-//! *The idea.* From a receiver's point p the light is a disc ([`LightSize::disc`]), and its factor is the part of the disc
+//! *The idea.* From a receiver's point p the light is a disc ([`LightSize::disc`](shadowgraph_engine::shadow::LightSize::disc)), and its factor is the part of the disc
 //! that no triangle hides. What hides it is bounded by silhouette edges: where a point of the disc moves across the image
 //! of one, the number of triangles before it changes by the edge's weight. So the number at the light's centre and the
 //! edges that cross the disc say all.
@@ -38,25 +38,20 @@ mod wedge;
 
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
-    self as shadow, Contribution, LightContext, LightSize, PassList, ShadowError, ShadowTechnique,
+    self as shadow, Contribution, LightContext, PassList, ShadowError, ShadowTechnique, Traits,
 };
 
 pub use gather::layouts;
-use options::TYPE_NAME;
 pub use options::{Apply, Quality, ShadowVolumeSoft};
 pub use wedge::layouts as wedge_layouts;
 
 impl ShadowTechnique for ShadowVolumeSoft {
-    fn type_name(&self) -> &'static str {
-        TYPE_NAME
-    }
-
     fn params(&self) -> Params {
         self.to_params()
     }
 
-    fn known_error(&self) -> &'static str {
-        match self.quality {
+    fn traits(&self) -> Traits {
+        let known_error = match self.quality {
             Quality::Sampled => {
                 "the light is its samples: at most 0.5/sqrt(samples) off its whole disc; and pixels in which a sample is \
                  blocked or not within 1/256 pixel"
@@ -69,15 +64,9 @@ impl ShadowTechnique for ShadowVolumeSoft {
                 "silhouettes are those of the light's centre, areas add up, and along hard shadow edges single pixels are a \
                  layer off, as published in 2003"
             }
-        }
-    }
-
-    fn light_size(&self) -> LightSize {
-        self.size()
-    }
-
-    fn light_sample_count(&self) -> Option<u32> {
-        (self.quality == Quality::Sampled).then_some(self.samples)
+        };
+        let light_samples = (self.quality == Quality::Sampled).then_some(self.samples);
+        Traits { known_error, light_size: self.size(), light_samples, ..Traits::default() }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {

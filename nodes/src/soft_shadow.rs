@@ -38,7 +38,8 @@ mod receivers;
 use shadowgraph_engine::math::POSITION_EPSILON;
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
-    Apply, Channels, Contribution, LightContext, LightSize, PassList, ShadowError, ShadowTechnique, hash_of,
+    Apply, Channels, Contribution, LightContext, LightSize, PassList, ShadowError, ShadowTechnique, Traits,
+    hash_of,
 };
 
 use crate::common::beside_light::distance_to_triangle;
@@ -46,7 +47,6 @@ use canvas::{Canvas, Targets};
 pub use canvas::{PlanarLight, PlanarTexture, planar_layouts};
 use casters::Casters;
 pub use casters::MaskedCorner;
-use options::TYPE_NAME;
 pub use options::{MAX_RESOLUTION, MAX_SAMPLES, PlanarMode, SoftShadow};
 use points::LightPoints;
 pub use receivers::{Flat, NotPlanar};
@@ -56,30 +56,24 @@ use receivers::{Receiver, height_of};
 const POINTS_OF_A_LAYER: usize = 32;
 
 impl ShadowTechnique for SoftShadow {
-    fn type_name(&self) -> &'static str {
-        TYPE_NAME
-    }
-
     fn params(&self) -> Params {
         self.to_params()
     }
 
-    fn known_error(&self) -> &'static str {
-        "a light is as many points as there are samples: steps in penumbrae, by about 0.4 samples^-0.8; casters \
-         within a light's own sphere, which hide some points that they should not and the other way round; and \
-         rasterisation: pixels whose centre is within 1/256 pixel of a point's shadow edge"
-    }
-
-    fn light_size(&self) -> LightSize {
-        LightSize { radius_m: self.radius_m, half_angle_rad: self.angle_deg.to_radians() }
+    fn traits(&self) -> Traits {
+        Traits {
+            known_error: "a light is as many points as there are samples: steps in penumbrae, by about 0.4 \
+                          samples^-0.8; casters within a light's own sphere, which hide some points that they should not \
+                          and the other way round; and rasterisation: pixels whose centre is within 1/256 pixel of a \
+                          point's shadow edge",
+            light_size: self.light_size(),
+            shades_receivers_only: true,
+            ..Traits::default()
+        }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
         Ok(instance.materials.iter().any(|material| material.casts_whole() || material.casts_by_texel()))
-    }
-
-    fn shades_receivers_only(&self) -> bool {
-        true
     }
 
     fn receives(&self, instance: &Instance) -> Result<(), String> {
@@ -142,6 +136,10 @@ impl Lit {
 const BESIDE: f64 = 1e-4;
 
 impl SoftShadow {
+    fn light_size(&self) -> LightSize {
+        LightSize { radius_m: self.radius_m, half_angle_rad: self.angle_deg.to_radians() }
+    }
+
     /// Refuses what a projection cannot tell.
     fn refuse_lamps_beside_casters(&self, light: &LightContext<'_>) -> Result<(), ShadowError> {
         let position = light.light().position;

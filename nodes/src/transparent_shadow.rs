@@ -33,7 +33,7 @@ use shadowgraph_engine::plan::{BlendState, CompareFunction, DrawState, MULTIPLY,
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
     Binding, Channels, ColorTarget, Contribution, Draw, Features, Geometry, Layers, LightContext, Pass,
-    PassList, Requirements, ShadowError, ShadowTechnique, hash_of,
+    PassList, ShadowError, ShadowTechnique, Traits, hash_of,
 };
 
 use crate::ShadowVolumeHard;
@@ -44,20 +44,15 @@ use crate::common::listed::Layout;
 use crate::common::screen_bounds::{united, volume_pixels};
 use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
 use crate::common::volume_draws::{Volume, falls_on_itself, float_state, upload, volume_draws};
-use options::TYPE_NAME;
 pub use options::{Accumulate, SelfShadow, TransparentShadow};
 
 impl ShadowTechnique for TransparentShadow {
-    fn type_name(&self) -> &'static str {
-        TYPE_NAME
-    }
-
     fn params(&self) -> Params {
         self.to_params()
     }
 
-    fn known_error(&self) -> &'static str {
-        match self.accumulate {
+    fn traits(&self) -> Traits {
+        let known_error = match self.accumulate {
             Accumulate::Counts => {
                 "rounding to half floats; and rasterisation: pixels whose centre is within 1/256 pixel of a shadow edge"
             }
@@ -79,26 +74,13 @@ impl ShadowTechnique for TransparentShadow {
             Accumulate::Product32 => {
                 "32-bit products do not quite cancel, and may leave the range of floats behind many dark surfaces"
             }
-        }
-    }
-
-    fn requirements(&self) -> Requirements {
-        Requirements {
-            required: Features::DEPTH32FLOAT_STENCIL8,
-            optional: Features::DEPTH_CLIP_CONTROL | Features::FLOAT32_BLENDABLE,
-        }
-    }
-
-    fn casts_transparent(&self) -> bool {
-        true
-    }
-
-    fn receiver_layers(&self) -> Layers {
-        match self.self_shadow {
+        };
+        let receiver_layers = match self.self_shadow {
             SelfShadow::Full => Layers::All,
             SelfShadow::Partial => Layers::First,
             SelfShadow::None => Layers::OpaqueOnly,
-        }
+        };
+        Traits { known_error, casts_transparent: true, receiver_layers, ..Traits::default() }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {

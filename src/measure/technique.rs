@@ -9,7 +9,8 @@ use shadowgraph_engine::plan::{BufferDesc, CompareFunction, DrawState, MULTIPLY,
 use shadowgraph_engine::scene::{Instance, ParamValue, Params};
 use shadowgraph_engine::shadow::{
     Binding, Channels, ColorTarget, Contribution, Draw, Geometry, Layers, LightContext, LightSize,
-    MAX_LIGHT_SAMPLES, OptionReader, Pass, PassList, ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
+    MAX_LIGHT_SAMPLES, OptionReader, Pass, PassList, ShadowError, ShadowTechnique, TechniqueEntry, Traits,
+    hash_of,
 };
 
 use super::{LightQuery, Reference, Samples, SizedCasters};
@@ -66,11 +67,13 @@ impl ReferenceShadow {
     };
 }
 
-impl ShadowTechnique for ReferenceShadow {
-    fn type_name(&self) -> &'static str {
-        TYPE_NAME
+impl ReferenceShadow {
+    fn light_size(&self) -> LightSize {
+        LightSize { radius_m: self.radius_m, half_angle_rad: self.angle_deg.to_radians() }
     }
+}
 
+impl ShadowTechnique for ReferenceShadow {
     fn params(&self) -> Params {
         let name = SELF_SHADOW.iter().find(|(_, layers)| *layers == self.self_shadow);
         let self_shadow = name.map_or("none", |(name, _)| *name);
@@ -82,28 +85,19 @@ impl ShadowTechnique for ReferenceShadow {
         ])
     }
 
-    fn light_size(&self) -> LightSize {
-        LightSize { radius_m: self.radius_m, half_angle_rad: self.angle_deg.to_radians() }
-    }
-
-    fn light_sample_count(&self) -> Option<u32> {
-        Some(self.samples)
-    }
-
-    fn known_error(&self) -> &'static str {
-        "none: it is what errors are measured against"
+    fn traits(&self) -> Traits {
+        Traits {
+            known_error: "none: it is what errors are measured against",
+            light_size: self.light_size(),
+            light_samples: Some(self.samples),
+            casts_transparent: true,
+            receiver_layers: self.self_shadow,
+            ..Traits::default()
+        }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
         Ok(instance.materials.iter().any(|material| !material.unlit))
-    }
-
-    fn casts_transparent(&self) -> bool {
-        true
-    }
-
-    fn receiver_layers(&self) -> Layers {
-        self.self_shadow
     }
 
     fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {

@@ -102,7 +102,8 @@ fn try_one(
             return trial;
         }
     };
-    let receivers_only = (entry.from_params)(&(setting.params)()).is_ok_and(|t| t.shades_receivers_only());
+    let receivers_only =
+        (entry.from_params)(&(setting.params)()).is_ok_and(|t| t.traits().shades_receivers_only);
     let request = case.request();
     let result = match found_already(renderer, &scene, &request, trials) {
         Some(evaluation) => Ok(evaluation),

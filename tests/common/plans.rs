@@ -14,7 +14,7 @@ use shadowgraph_engine::scene::{
 };
 use shadowgraph_engine::shadow::{
     self as shadow, Cache, Catalog, Channels, Contribution, LightContext, PassList, Registry, ShadowError,
-    ShadowTechnique, TechniqueEntry,
+    ShadowTechnique, TechniqueEntry, Traits,
 };
 use shadowgraph_nodes::ShadowVolumeHard;
 use shadowgraph_nodes::common::volume::VolumeUniform;
@@ -193,16 +193,12 @@ impl Veil {
 }
 
 impl ShadowTechnique for Veil {
-    fn type_name(&self) -> &'static str {
-        "Veil"
-    }
-
     fn params(&self) -> Params {
         Params::new()
     }
 
-    fn known_error(&self) -> &'static str {
-        "everything"
+    fn traits(&self) -> Traits {
+        Traits { known_error: "everything", ..Traits::default() }
     }
 
     fn casts(&self, _: &Instance) -> Result<bool, String> {

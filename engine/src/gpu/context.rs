@@ -177,9 +177,6 @@ fn open_device(choice: &AdapterChoice) -> Result<(wgpu::Device, wgpu::Queue), Gp
     let info = adapter.get_info();
     let no_device = |reason: String| GpuError::NoDevice { adapter: describe(&info), reason };
     let features = adapter.features() & WANTED;
-    if !features.contains(wgpu::Features::DEPTH32FLOAT_STENCIL8) {
-        return Err(no_device("it lacks DEPTH32FLOAT_STENCIL8, the depth format of shadow volumes".into()));
-    }
     let limits = adapter.limits();
     pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
         label: Some("shadowgraph"),

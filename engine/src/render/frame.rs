@@ -133,7 +133,7 @@ fn check_darkening(inputs: &Inputs<'_>, opaque: &lights::ReceiverPasses) -> Resu
         if let Some((claim, _)) = found {
             return Err(ShadowError::MissingFeature {
                 node: claim.node.clone(),
-                technique: claim.technique.type_name(),
+                technique: claim.type_name,
                 needed: format!("{needed:?} (darkening a picture of 32-bit floats)"),
                 adapter: inputs.adapter.name.into(),
             });

@@ -73,15 +73,15 @@ pub(super) fn plan(
     let lights = inputs.registry.lights.iter().zip(&inputs.posed.lights);
     let reaching = lights.filter(|(_, light)| light.may_reach(&inputs.view.receiver_bounds));
     let claims = reaching.flat_map(|(claims, _)| claims);
-    let asks = claims.max_by_key(|claim| claim.technique.receiver_layers());
-    let asks = asks.filter(|claim| claim.technique.receiver_layers() != Layers::OpaqueOnly);
+    let asks = claims.max_by_key(|claim| claim.technique.traits().receiver_layers);
+    let asks = asks.filter(|claim| claim.technique.traits().receiver_layers != Layers::OpaqueOnly);
     let (Some(claim), false) = (asks, inputs.surfaces.transparent.is_empty()) else { return Ok(None) };
     let asked_by = format!("'{}' ({})", claim.node, claim.label);
     if inputs.request.antialias == Antialias::Multisample4 {
         return Err(FrameError::MultisampledLayers { asked_by });
     }
     let in_view = layers_in_view(inputs);
-    let layers = match claim.technique.receiver_layers() {
+    let layers = match claim.technique.traits().receiver_layers {
         Layers::All => in_view,
         Layers::First | Layers::OpaqueOnly => in_view.min(1),
     };

@@ -87,7 +87,7 @@ fn plan_light(
     once: &mut Option<Once>,
 ) -> Result<Vec<NodePasses>, FrameError> {
     let (light, claims) = (&inputs.posed.lights[index], &inputs.registry.lights[index]);
-    let is_wide = |claim: &Claim| claim.technique.light_size().is_wide(light.position);
+    let is_wide = |claim: &Claim| claim.light_size().is_wide(light.position);
     let has_size = claims.iter().any(is_wide);
     let mut nodes: Vec<NodePasses> = Vec::new();
     let mut counts_bound: u32 = 0;
@@ -111,7 +111,6 @@ fn plan_light(
             has_size,
             counts_before: CountsBefore { light: counts_bound, darkening },
         };
-        context.require(claim.technique.requirements().required, "always")?;
         let visibility_is_touched = nodes.iter().any(|node| node.contribution.visibility.is_some());
         let mut out = PassList {
             posed: inputs.posed,
@@ -220,9 +219,5 @@ fn check_per_sample(needs: &Needs, claim: &Claim, node: Option<&NodePasses>) -> 
     else {
         return Ok(());
     };
-    Err(ShadowError::NotPerSample {
-        node: claim.node.clone(),
-        technique: claim.technique.type_name(),
-        format,
-    })
+    Err(ShadowError::NotPerSample { node: claim.node.clone(), technique: claim.type_name, format })
 }

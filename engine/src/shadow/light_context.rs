@@ -87,7 +87,7 @@ impl<'a> LightContext<'a> {
     }
 
     /// Which of the transparent surfaces at each pixel the receivers are; `None` for the opaque surfaces. Techniques
-    /// that ask for layers ([`ShadowTechnique::receiver_layers`](super::ShadowTechnique)) are called for the opaque
+    /// that ask for layers ([`Traits::receiver_layers`](super::Traits)) are called for the opaque
     /// surfaces first. Where a pixel has no such surface, depth is 0 for [`Layer::FromEye`], 1 for
     /// [`Layer::FromBehind`].
     ///
@@ -129,7 +129,7 @@ impl<'a> LightContext<'a> {
         }
         Err(ShadowError::MissingFeature {
             node: self.claim.node.clone(),
-            technique: self.claim.technique.type_name(),
+            technique: self.claim.type_name,
             needed: format!("{needed:?} ({purpose})"),
             adapter: self.adapter.into(),
         })
@@ -139,7 +139,7 @@ impl<'a> LightContext<'a> {
     pub fn unsupported(&self, reason: impl Into<String>) -> ShadowError {
         ShadowError::Unsupported {
             node: self.claim.node.clone(),
-            technique: self.claim.technique.type_name(),
+            technique: self.claim.type_name,
             reason: reason.into(),
         }
     }

@@ -19,7 +19,7 @@ mod registry;
 
 pub use area_light::{LightDisc, LightSize, disc_samples};
 pub use cache::{Cache, hash_of};
-pub use catalog::{Catalog, Layer, Layers, Requirements, Setting, ShadowTechnique, TechniqueEntry};
+pub use catalog::{Catalog, Layer, Layers, Setting, ShadowTechnique, TechniqueEntry, Traits};
 pub use contribution::{Apply, Channels, Contribution};
 pub use error::ShadowError;
 pub(crate) use light_context::CountsBefore;
