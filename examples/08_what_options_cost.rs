@@ -29,7 +29,7 @@ type Row = (&'static str, Option<ShadowVolumeHard>);
 
 fn main() -> Result<(), Box<dyn Error>> {
     let auto = ShadowVolumeHard::default();
-    let single = ShadowVolumeHard { passes: Passes::SINGLE, ..auto };
+    let single = ShadowVolumeHard { passes: Passes::Single, ..auto };
     let float = ShadowVolumeHard { counter: CounterKind::Float, ..auto };
     let rows: [Row; 11] = [
         ("no shadows", None),

@@ -23,17 +23,20 @@
 //! # }
 //! ```
 
-pub mod cases;
 pub mod demo;
-pub mod measure;
-mod receivers;
 pub mod search;
 
 pub use shadowgraph_engine as engine;
+pub use shadowgraph_measure as measure;
+pub use shadowgraph_measure::cases;
 pub use shadowgraph_nodes as nodes;
 pub use shadowgraph_shaders as shaders;
 
-pub use receivers::receivers_for;
+/// The techniques that have a part in the hard cases' scenes.
+pub const CAST: cases::Cast = cases::Cast {
+    tried: nodes::ShadowVolumeHard::ENTRY.type_name,
+    sized: nodes::ShadowVolumeSoft::ENTRY.type_name,
+};
 
 /// What most programs need.
 pub mod prelude {

@@ -10,8 +10,6 @@
     reason = "a test fails by panicking and reports by printing"
 )]
 
-mod common;
-
 use shadowgraph::cases::{self, Case};
 use shadowgraph::measure::ReferenceShadow;
 use shadowgraph::prelude::*;
@@ -36,12 +34,13 @@ const CASES: [&str; 5] =
 
 #[test]
 fn a_frame_like_the_one_before_takes_no_more_memory() {
-    let Some(renderer) = common::renderer() else { return };
+    let Some(renderer) = shadowgraph_testing::renderer() else { return };
     let mut catalog = shadowgraph_nodes::catalog();
     catalog.register(ReferenceShadow::ENTRY);
     let entries = catalog.entries().to_vec();
     let mut renderer = Renderer::new(renderer.gpu().clone(), catalog);
-    let cases: Vec<Case> = cases::all().into_iter().flat_map(|entry| entry.build()).collect();
+    let cases: Vec<Case> =
+        cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST)).collect();
     let mut growing = Vec::new();
     for name in CASES {
         let case = cases.iter().find(|case| case.name().starts_with(name));

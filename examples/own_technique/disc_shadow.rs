@@ -16,52 +16,45 @@ use std::mem::offset_of;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use shadowgraph::engine::plan::{BufferDesc, CompareFunction, DrawState, MULTIPLY, Shader};
-use shadowgraph::engine::scene::{Instance, ParamValue, Params, ShadowNode};
+use shadowgraph::engine::scene::{Instance, Params};
 use shadowgraph::engine::shadow::{
-    Binding, Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, OptionError, OptionReader,
-    Pass, PassList, Setting, ShadowError, ShadowTechnique, TechniqueEntry, Traits, hash_of,
+    Binding, Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, Options, Pass, PassList,
+    Setting, ShadowError, ShadowTechnique, TechniqueEntry, Traits, hash_of,
 };
 
 use super::disc::{Disc, NoDisc};
 
-const TYPE_NAME: &str = "DiscShadow";
 /// The shader as it is written; its imports are the engine's.
 pub(crate) const SHADER: &str = include_str!("disc_shadow.wgsl");
 
-/// The node and its options.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The node and its options: what a scene may say of them, and what they are when it does not, is all declared here.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub(crate) struct DiscShadow {
     /// How wide the rim fades from dark to lit, measured in the disc's plane, in metres; 0 for a hard rim.
+    #[serde(rename = "edge")]
+    #[schemars(range(min = 0.0, max = 1e6))]
     pub(crate) edge_m: f64,
+}
+
+impl Options for DiscShadow {
+    const TYPE_NAME: &'static str = "DiscShadow";
 }
 
 impl DiscShadow {
     /// How the catalog knows it.
-    pub(crate) const ENTRY: TechniqueEntry = TechniqueEntry {
-        type_name: TYPE_NAME,
-        short_name: "disc",
-        summary: "shadows of flat round discs, computed at every pixel",
-        from_params: |params| Ok(Arc::new(Self::from_params(params)?)),
-        settings: &[Setting {
+    pub(crate) const ENTRY: TechniqueEntry = TechniqueEntry::of::<Self>(
+        "disc",
+        "shadows of flat round discs, computed at every pixel",
+        &[Setting {
             name: "soft rim",
             why: "a rim that fades over 5 cm, which no point light has",
-            params: || Self { edge_m: 0.05 }.params(),
+            params: || Self { edge_m: 0.05 }.to_params(),
         }],
-    };
-
-    fn from_params(params: &Params) -> Result<Self, OptionError> {
-        let mut options = OptionReader::new(TYPE_NAME, params);
-        let node = Self { edge_m: options.number("edge", 0.0, 0.0, 1e6)? };
-        options.finish()?;
-        Ok(node)
-    }
-}
-
-impl From<DiscShadow> for ShadowNode {
-    fn from(node: DiscShadow) -> Self {
-        Self { technique: TYPE_NAME.into(), params: node.params(), ..Self::default() }
-    }
+    );
 }
 
 /// The light of `struct Casters`, which its discs follow.
@@ -98,7 +91,7 @@ pub(crate) fn layouts() -> [(&'static str, shadowgraph::engine::gpu::Layout); 2]
 
 impl ShadowTechnique for DiscShadow {
     fn params(&self) -> Params {
-        Params::from([("edge".into(), ParamValue::Number(self.edge_m))])
+        self.to_params()
     }
 
     fn traits(&self) -> Traits {
@@ -128,11 +121,11 @@ impl ShadowTechnique for DiscShadow {
         let contents = contents(light, &records);
         let casters = out.buffer(BufferDesc::storage(
             &format!("discs of {name}"),
-            hash_of((TYPE_NAME, &contents)),
+            hash_of((Self::TYPE_NAME, &contents)),
             Arc::new(contents),
             "the light and its discs, as the eye sees them",
         ));
-        let shader = Shader::written(TYPE_NAME, SHADER, &[], "fullscreen_vertex", Some("visibility"))?;
+        let shader = Shader::written(Self::TYPE_NAME, SHADER, &[], "fullscreen_vertex", Some("visibility"))?;
         let state = DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]);
         let discs = Draw::new("discs", Geometry::fullscreen(shader), state);
         let bindings = vec![(0, Binding::Storage(casters)), (1, Binding::Texture(out.receiver_depth()))];

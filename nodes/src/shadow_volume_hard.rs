@@ -38,8 +38,8 @@ use shadowgraph_engine::geometry::{capped, doubled};
 use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
-    Apply, ColorTarget, Contribution, DepthTarget, Draw, Features, LightContext, Pass, PassList, ShadowError,
-    ShadowTechnique, Traits, hash_of,
+    Apply, ColorTarget, Contribution, DepthTarget, Draw, Features, LightContext, Options, Pass, PassList,
+    ShadowError, ShadowTechnique, Traits, hash_of,
 };
 
 use crate::common::culling::{near_plane_may_be_shadowed, shows_its_inside};
@@ -84,10 +84,10 @@ impl ShadowTechnique for ShadowVolumeHard {
         let known_error = match (self.passes, self.closure) {
             (Passes::Multi, Closure::None | Closure::Backfaces) => rounding!(),
             (Passes::Multi, Closure::Cap) => concat!(caps!(), "; and ", rounding!()),
-            (Passes::Single { .. }, Closure::None | Closure::Backfaces) => {
+            (Passes::Single, Closure::None | Closure::Backfaces) => {
                 concat!(one_darkening!(), "; and ", rounding!())
             }
-            (Passes::Single { .. }, Closure::Cap) => {
+            (Passes::Single, Closure::Cap) => {
                 concat!(one_darkening!(), "; and ", caps!(), "; and ", rounding!())
             }
         };
@@ -100,7 +100,7 @@ impl ShadowTechnique for ShadowVolumeHard {
 
     fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
         let apply = match self.passes {
-            Passes::Single { weight } => Apply::DarkenOnce { weight },
+            Passes::Single => Apply::DarkenOnce { weight: self.weight },
             Passes::Multi => Apply::default(),
         };
         let masks = self.cast_masks(light, out)?;
@@ -269,7 +269,7 @@ impl ShadowVolumeHard {
             (GeometryMode::Closed, _) => {
                 "geometry=closed, but '{}' has masked parts (accepted for it: auto, open)"
             }
-            (_, Passes::Single { .. }) => {
+            (_, Passes::Single) => {
                 "passes=single, but '{}' has masked parts, which are no counts (accepted for it: multi)"
             }
             _ => return masked::cast(light, out, &masked),

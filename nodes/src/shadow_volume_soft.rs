@@ -38,7 +38,7 @@ mod wedge;
 
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
-    self as shadow, Contribution, LightContext, PassList, ShadowError, ShadowTechnique, Traits,
+    self as shadow, Contribution, LightContext, Options, PassList, ShadowError, ShadowTechnique, Traits,
 };
 
 pub use gather::layouts;

@@ -38,8 +38,8 @@ mod receivers;
 use shadowgraph_engine::math::POSITION_EPSILON;
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
-    Apply, Channels, Contribution, LightContext, LightSize, PassList, ShadowError, ShadowTechnique, Traits,
-    hash_of,
+    Apply, Channels, Contribution, LightContext, LightSize, Options, PassList, ShadowError, ShadowTechnique,
+    Traits, hash_of,
 };
 
 use crate::common::beside_light::distance_to_triangle;
@@ -137,7 +137,7 @@ const BESIDE: f64 = 1e-4;
 
 impl SoftShadow {
     fn light_size(&self) -> LightSize {
-        LightSize { radius_m: self.radius_m, half_angle_rad: self.angle_deg.to_radians() }
+        LightSize::new(self.radius_m, self.angle_deg)
     }
 
     /// Refuses what a projection cannot tell.

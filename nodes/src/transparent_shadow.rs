@@ -32,8 +32,8 @@ use shadowgraph_engine::geometry::{CastTriangles, GroupMember, max_layers};
 use shadowgraph_engine::plan::{BlendState, CompareFunction, DrawState, MULTIPLY, Shader, ShaderError};
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
-    Binding, Channels, ColorTarget, Contribution, Draw, Features, Geometry, Layers, LightContext, Pass,
-    PassList, ShadowError, ShadowTechnique, Traits, hash_of,
+    Binding, Channels, ColorTarget, Contribution, Draw, Features, Geometry, Layers, LightContext, Options,
+    Pass, PassList, ShadowError, ShadowTechnique, Traits, hash_of,
 };
 
 use crate::ShadowVolumeHard;

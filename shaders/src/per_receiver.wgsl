@@ -104,7 +104,7 @@ fn per_receiver(in: SoftVaryings) -> @location(0) vec4f {
         return vec4f(0.0);
     }
     let n = q.n;
-    let r = with_frame(q.r, position.xy, textureLoad(receiver_depth, vec2u(position.xy), 0), q.normal);
+    let r = with_frame(q.r, position.xy, textureLoad(receiver_depth, vec2u(position.xy), 0), q.normal, q.at);
     let k = select(clamp(r.k, 1e-12, LARGEST_DISC), 1.0, r.k == 0.0);
     var disc: DiscView;
     disc.horizon = vec3f(dot(n, r.u) * k, dot(n, r.v) * k, height);

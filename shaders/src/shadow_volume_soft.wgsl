@@ -257,7 +257,7 @@ fn sampled(in: SoftVaryings) -> @location(0) vec4f {
     take_light(in);
     let position = in.position;
     let q = question_at(position.xy);
-    let r = with_frame(q.r, position.xy, textureLoad(receiver_depth, vec2u(position.xy), 0), q.normal);
+    let r = with_frame(q.r, position.xy, textureLoad(receiver_depth, vec2u(position.xy), 0), q.normal, q.at);
     // Within the light, only the centre counts: a disc without extent.
     let sample_count = select(SAMPLE_COUNT, 1u, r.k == 0.0);
     // A centre that by rounding may lie in the surface's plane does so. Of depth far fewer ulps are lost than a step has: there is

@@ -7,10 +7,10 @@ use glam::{DAffine3, DVec3};
 use shadowgraph::engine::gltf::{GltfError, LoadOptions, Loaded, SceneChoice, ShadowTypes, load_with};
 use shadowgraph::engine::math::{Aabb, Projection};
 use shadowgraph::engine::scene::look_at;
+use shadowgraph::engine::shadow::receivers_for;
 use shadowgraph::engine::shadow::{Catalog, ShadowError};
 use shadowgraph::measure::ReferenceShadow;
 use shadowgraph::prelude::*;
-use shadowgraph::receivers_for;
 
 use super::args::{Floor, LightArg, Size, TechniqueArg, seconds, vector};
 use super::output::note;

@@ -7,7 +7,9 @@ use shadowgraph_engine::geometry::MeshData;
 use shadowgraph_engine::geometry::shapes::{Ends, cylinder, extruded, frustum, lathe, quad, sheet};
 use shadowgraph_engine::scene::placed;
 
-use super::set::{noise, slab, slabs};
+use shadowgraph_measure::cases::strewn::noise;
+
+use super::set::{slab, slabs};
 
 /// A table: top, aprons and tapering legs.
 pub(super) fn table(half_x: f32, half_z: f32, height: f32) -> MeshData {

@@ -7,7 +7,9 @@ use shadowgraph_engine::geometry::MeshData;
 use shadowgraph_engine::geometry::shapes::{lathe, plane, quad, sheet};
 use shadowgraph_engine::scene::{Camera, Light, NodeKey, Scene, ShadowNode};
 
-use super::set::{Set, noise, stand};
+use shadowgraph_measure::cases::strewn::noise;
+
+use super::set::{Set, stand};
 
 /// How a plant grows.
 pub(super) struct Habit {

@@ -13,11 +13,13 @@ use shadowgraph_engine::geometry::MeshData;
 use shadowgraph_engine::geometry::shapes::{Ends, cylinder, icosphere, lathe, plane, quad};
 use shadowgraph_engine::scene::{Camera, Content, Light, NodeKey, Scene, ShadowNode, placed};
 
+use shadowgraph_measure::cases::strewn::noise;
+
 use super::furniture::{
     armchair, books, bowl, chair, curtain, feet, frame, shade, shelf, sideboard, table, vase,
 };
 use super::plant::{Habit, potted};
-use super::set::{Set, noise, slab, slabs, stand};
+use super::set::{Set, slab, slabs, stand};
 
 const HOME: DAffine3 = DAffine3::IDENTITY;
 

@@ -122,11 +122,3 @@ pub(super) fn slab(min: [f32; 3], max: [f32; 3]) -> MeshData {
 pub(super) fn slabs(name: &str, corners: &[([f32; 3], [f32; 3])]) -> MeshData {
     MeshData::merged(name, corners.iter().map(|(min, max)| slab(*min, *max)))
 }
-
-/// A number in 0 … 1 that looks random and is the same on every machine.
-pub(super) fn noise(seed: u32) -> f32 {
-    let mut x = seed.wrapping_mul(0x9E37_79B9) ^ 0x85EB_CA6B;
-    x = (x ^ (x >> 15)).wrapping_mul(0x2C1B_3C6D);
-    x = (x ^ (x >> 12)).wrapping_mul(0x297A_2D39);
-    ((x ^ (x >> 15)) >> 8) as f32 / (1 << 24) as f32
-}

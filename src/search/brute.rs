@@ -9,7 +9,7 @@ use shadowgraph_engine::manager::FrameRequest;
 use shadowgraph_engine::math::facing_sign;
 use shadowgraph_engine::scene::{Posed, PosedCamera, PosedLight};
 
-use crate::measure::{Evaluation, LightQuery, LightReference};
+use shadowgraph_measure::{Evaluation, LightQuery, LightReference};
 
 /// Moves within which a pixel's factor must be the same for it to be sure, in pixels: twice what the reference's band has.
 const MOVE_PX: f64 = 1.0 / 128.0;

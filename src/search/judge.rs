@@ -14,7 +14,7 @@ use shadowgraph_engine::scene::{ParamValue, Posed, PosedLight, Scene};
 use shadowgraph_engine::shadow::{Catalog, Claim, Registry, ShadowError, ShadowTechnique};
 
 use super::{Brute, Recipe, RecipeError};
-use crate::measure::{
+use shadowgraph_measure::{
     BAND_FLOOR_PIXELS, EvaluateError, Evaluation, KnownReferences, LightError, evaluate_again,
     evaluate_layers,
 };

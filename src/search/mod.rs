@@ -24,7 +24,7 @@ pub use families::Family;
 pub use generate::recipe_of;
 pub use judge::{Failure, FailureKind, Judge, Owed, Verdict, owed};
 pub use minimise::shrink;
-pub use options::{Accepts, Sizes, options};
+pub use options::Sizes;
 pub use random::Random;
 pub use recipe::{Bend, Body, Caster, Eye, Lamp, Recipe, RecipeError, Wear};
 pub use report::{Tally, write_failure};

@@ -2,44 +2,13 @@
 //! is there.
 
 use shadowgraph_engine::scene::{ParamValue, Params};
-use shadowgraph_engine::shadow::{OptionError, TechniqueEntry};
+use shadowgraph_engine::shadow::{Accepts, TechniqueEntry};
 
 use super::Random;
-
-/// What an option accepts.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Accepts {
-    /// One of these words; the first is the default.
-    Words(Vec<String>),
-    /// A number.
-    Number,
-    /// Something else, a colour say.
-    Other,
-}
 
 /// Values that force what only some views and casters allow, refused elsewhere with a typed error: drawn rarely, since a
 /// refusal finds nothing.
 const FORCED: &[&str] = &["zpass", "closed", "toBounds"];
-
-/// Every option of a technique, by name.
-pub fn options(entry: &TechniqueEntry) -> Vec<(String, Accepts)> {
-    let Ok(technique) = (entry.from_params)(&Params::new()) else { return Vec::new() };
-    let accepts = |name: &String, default: &ParamValue| match default {
-        ParamValue::Text(_) => Accepts::Words(words(entry, name)),
-        ParamValue::Number(_) => Accepts::Number,
-        ParamValue::Flag(_) | ParamValue::Numbers(_) => Accepts::Other,
-    };
-    technique.params().iter().map(|(name, default)| (name.clone(), accepts(name, default))).collect()
-}
-
-/// The words that an option takes: what its complaint about another word says.
-fn words(entry: &TechniqueEntry, option: &str) -> Vec<String> {
-    let asked = Params::from([(option.to_owned(), ParamValue::Text("?".into()))]);
-    match (entry.from_params)(&asked) {
-        Err(OptionError::BadValue { accepted, .. }) => accepted.split(", ").map(str::to_owned).collect(),
-        _ => Vec::new(),
-    }
-}
 
 /// How large the lights of a scene are taken to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,11 +23,13 @@ pub enum Sizes {
 
 /// Options for a technique: some at other values than their defaults, all accepted together.
 pub(super) fn draw(random: &mut Random, entry: &TechniqueEntry, sizes: Sizes) -> Params {
-    let all = options(entry);
+    let all = (entry.options)().options;
     for _ in 0..20 {
         let params: Params = all
             .iter()
-            .filter_map(|(name, accepts)| Some((name.clone(), value(random, name, accepts, sizes)?)))
+            .filter_map(|option| {
+                Some((option.name.clone(), value(random, &option.name, &option.accepts, sizes)?))
+            })
             .collect();
         if (entry.from_params)(&params).is_ok() {
             return params;
@@ -71,12 +42,12 @@ pub(super) fn draw(random: &mut Random, entry: &TechniqueEntry, sizes: Sizes) ->
 fn value(random: &mut Random, name: &str, accepts: &Accepts, sizes: Sizes) -> Option<ParamValue> {
     match accepts {
         Accepts::Words(words) => {
-            let word = random.pick(words);
+            let word = random.pick(words).name;
             let allowed = if FORCED.contains(&word.as_str()) { 0.03 } else { 0.5 };
             random.chance(allowed).then_some(ParamValue::Text(word))
         }
-        Accepts::Number => number(random, name, sizes).map(ParamValue::Number),
-        Accepts::Other => None,
+        Accepts::Number { .. } => number(random, name, sizes).map(ParamValue::Number),
+        Accepts::Numbers { .. } | Accepts::Flag => None,
     }
 }
 

@@ -15,7 +15,7 @@ use shadowgraph_engine::shadow::Catalog;
 use thiserror::Error;
 
 use super::{Family, Random};
-use crate::receivers_for;
+use shadowgraph_engine::shadow::receivers_for;
 
 /// Why a recipe makes no scene: a mistake of the generator, never an answer.
 #[derive(Debug, Error)]

@@ -113,13 +113,12 @@ fn brief(value: &Value) -> String {
 }
 
 fn param(value: &Value) -> Option<ParamValue> {
-    Some(match value {
-        Value::String(text) => ParamValue::Text(text.clone()),
-        Value::Number(number) => ParamValue::Number(number.as_f64()?),
-        Value::Bool(flag) => ParamValue::Flag(*flag),
-        Value::Array(values) => ParamValue::Numbers(values.iter().map(Value::as_f64).collect::<Option<_>>()?),
-        Value::Null | Value::Object(_) => return None,
-    })
+    let is_numbers = |items: &[Value]| items.iter().all(Value::is_number);
+    match value {
+        Value::String(_) | Value::Number(_) | Value::Bool(_) => Some(value.into()),
+        Value::Array(items) if is_numbers(items) => Some(value.into()),
+        Value::Array(_) | Value::Null | Value::Object(_) => None,
+    }
 }
 
 /// The extension's object for a shadow node of the scene, whose nodes have the glTF indices of `index_of`.

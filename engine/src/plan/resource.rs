@@ -23,8 +23,8 @@ pub(crate) enum Symbol {
     ReceiverDepth,
     /// The triangle that every pixel of the receivers shows.
     VisibleTriangles,
-    /// The normal there.
-    ReceiverNormals,
+    /// The plane of that triangle.
+    ReceiverPlanes,
     /// The layer of the visibility array that holds the light's factor.
     Visibility,
     /// All layers of it.

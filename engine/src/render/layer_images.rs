@@ -76,20 +76,20 @@ pub(super) fn draw<'p>(
     (factors, lights): (&Factors, &mut [LightPlanned]),
 ) -> Result<(), FrameError> {
     let receivers = layers.looked_at.iter().map(|layer| &layer.receivers);
-    let normals = Seen::asked_by(inputs, needs, receivers).normals;
+    let planes = Seen::asked_by(inputs, needs, receivers).planes;
     let mut last = None;
     for (number, layer) in layers.looked_at.iter().enumerate() {
         let LookedAt { receivers, triangles, kept } = layer;
         let scope = Scope {
             depth: receivers.depth,
-            seen: Seen { triangles: Some(*triangles), normals },
+            seen: Seen { triangles: Some(*triangles), planes },
             place: format!(" on layer {number}"),
             ..Scope::default()
         };
         schedule.push(&scope, peel(inputs, last, *triangles)?);
         if *kept {
             if receivers.are_shadowed() {
-                let seen = Seen { triangles: None, normals };
+                let seen = Seen { triangles: None, planes };
                 add_seen(inputs, schedule, &Scope { seen, ..scope.clone() })?;
             }
             images_of(inputs, needs, schedule, (number, receivers, &scope), (factors, lights))?;

@@ -242,15 +242,15 @@ pub(super) fn add_seen(
     schedule: &mut Schedule<'_>,
     scope: &Scope,
 ) -> Result<(), ShaderError> {
-    let (name, fragment, flags): (_, _, &[&str]) = match (scope.seen.triangles, scope.seen.normals) {
+    let (name, fragment, flags): (_, _, &[&str]) = match (scope.seen.triangles, scope.seen.planes) {
         (None, None) => return Ok(()),
         (Some(_), None) => ("visible triangles", "visible_triangle", &[]),
-        (None, Some(_)) => ("receiver normals", "receiver_normal", &["NORMALS"]),
-        (Some(_), Some(_)) => ("visible triangles and receiver normals", "triangle_and_normal", &["NORMALS"]),
+        (None, Some(_)) => ("receiver planes", "receiver_plane", &["PLANES"]),
+        (Some(_), Some(_)) => ("visible triangles and receiver planes", "triangle_and_plane", &["PLANES"]),
     };
     let triangles = scope.seen.triangles.map(|slot| ColorTarget::new(slot, no_triangle()));
-    let normals = scope.seen.normals.map(|slot| ColorTarget::new(slot, Load::Clear([0.0; 4])));
-    let colors: Vec<_> = triangles.into_iter().chain(normals).collect();
+    let planes = scope.seen.planes.map(|slot| ColorTarget::new(slot, Load::Clear([0.0; 4])));
+    let colors: Vec<_> = triangles.into_iter().chain(planes).collect();
     let state = DrawState::new(CompareFunction::Equal, vec![Some(BlendState::REPLACE); colors.len()]);
     let shader = Shader::composed("surface_measure", flags, "vertex", Some(fragment))?;
     let geometry = inputs.pulled(shader, PulledStyle::Pulled, &inputs.surfaces.transparent);

@@ -234,7 +234,7 @@ impl Textures {
             Symbol::ReceiverDepth => self.depths[scope.depth.0],
             Symbol::DepthOf(depth) => self.depths[depth.0],
             Symbol::VisibleTriangles => scope.seen.triangles.unwrap_or(NOWHERE),
-            Symbol::ReceiverNormals => scope.seen.normals.unwrap_or(NOWHERE),
+            Symbol::ReceiverPlanes => scope.seen.planes.unwrap_or(NOWHERE),
             Symbol::Visibility | Symbol::AllVisibilities => self.visibility.unwrap_or(NOWHERE),
         }
     }

@@ -85,8 +85,8 @@ pub(super) struct Scope {
 pub(super) struct Seen {
     /// Its instance and triangle.
     pub(super) triangles: Option<SlotId>,
-    /// Its normal.
-    pub(super) normals: Option<SlotId>,
+    /// The plane that it lies in.
+    pub(super) planes: Option<SlotId>,
 }
 
 /// Passes that follow one another and name the same things.

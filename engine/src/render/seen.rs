@@ -11,10 +11,10 @@ use crate::plan::{
 };
 use crate::shadow::{Binding, ColorTarget, DepthTarget, Pass};
 
-/// The format of receivers' normals: a horizon is decided by all digits that positions have.
-pub(super) const RECEIVER_NORMALS: TextureFormat = TextureFormat::Rgba32Float;
+/// The format of receivers' planes: a horizon is decided by all digits that positions have.
+pub(super) const RECEIVER_PLANES: TextureFormat = TextureFormat::Rgba32Uint;
 /// Where nothing is seen.
-const NO_NORMAL: Load = Load::Clear([0.0; 4]);
+const NO_PLANE: Load = Load::Clear([0.0; 4]);
 
 impl Seen {
     /// Textures for what the passes of these receivers ask to know.
@@ -24,14 +24,14 @@ impl Seen {
         passes: impl Iterator<Item = &'a ReceiverPasses> + Clone,
     ) -> Self {
         let asks = |symbol| passes.clone().any(|passes| passes.ask(symbol));
-        let (triangles, normals) = (asks(Symbol::VisibleTriangles), asks(Symbol::ReceiverNormals));
+        let (triangles, planes) = (asks(Symbol::VisibleTriangles), asks(Symbol::ReceiverPlanes));
         let mut texture = |wanted: bool, name: &str, format, reason: &str| {
             wanted.then(|| needs.texture(name, format, inputs.view.size_px, reason))
         };
         let reason = "a technique asks which triangle each pixel shows";
         let triangles = texture(triangles, "visible triangles", TextureFormat::Rg32Uint, reason);
-        let reason = "a technique asks which way each pixel's surface faces";
-        Self { triangles, normals: texture(normals, "receiver normals", RECEIVER_NORMALS, reason) }
+        let reason = "a technique asks in which plane each pixel's surface lies";
+        Self { triangles, planes: texture(planes, "receiver planes", RECEIVER_PLANES, reason) }
     }
 }
 
@@ -61,22 +61,22 @@ pub(super) fn add(
         seen.triangles = Some(needs.texture("visible triangles", format, size_px, reason));
     }
     let triangles = seen.triangles.map(|slot| ColorTarget::new(slot, no_triangle()));
-    let normals = seen.normals.map(|slot| ColorTarget::new(slot, NO_NORMAL));
-    let (name, reason, shader): (_, _, (_, &[&str])) = match (seen.triangles, seen.normals) {
+    let planes = seen.planes.map(|slot| ColorTarget::new(slot, NO_PLANE));
+    let (name, reason, shader): (_, _, (_, &[&str])) = match (seen.triangles, seen.planes) {
         (None, None) => return Ok(seen),
         (None, Some(_)) => (
-            "receiver normals",
-            "a technique asks which way each pixel's surface faces",
-            ("receiver_normal", &["NORMALS"]),
+            "receiver planes",
+            "a technique asks in which plane each pixel's surface lies",
+            ("receiver_plane", &["PLANES"]),
         ),
         (Some(_), None) => ("visible triangles", triangles_reason(inputs), ("visible_triangle", &[])),
         (Some(_), Some(_)) => (
-            "visible triangles and receiver normals",
+            "visible triangles and receiver planes",
             triangles_reason(inputs),
-            ("triangle_and_normal", &["NORMALS"]),
+            ("triangle_and_plane", &["PLANES"]),
         ),
     };
-    let colors = triangles.into_iter().chain(normals).collect();
+    let colors = triangles.into_iter().chain(planes).collect();
     let pass = seen_pass(inputs, needs, (name, reason), shader, (colors, 1))?;
     schedule.push(&Scope::default(), pass);
     Ok(seen)

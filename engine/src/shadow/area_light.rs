@@ -11,6 +11,11 @@ use glam::{DVec2, DVec3, DVec4};
 
 use crate::scene::{ParamValue, Params};
 
+/// The largest radius of a point or spot light that techniques take, in metres.
+pub const MAX_RADIUS_M: f64 = 1e9;
+/// The widest directional light that techniques take, in degrees from its middle: beyond, it would reach around the receiver.
+pub const MAX_ANGLE_DEG: f64 = 60.0;
+
 /// How large a light is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LightSize {
@@ -35,13 +40,18 @@ impl LightSize {
     /// A point, or a single direction.
     pub const NONE: Self = Self { radius_m: 0.0, half_angle_rad: 0.0 };
 
+    /// A light of this radius, or of this half-angle in degrees if it is directional: what the options `radius` and `angle` say.
+    pub fn new(radius_m: f64, angle_deg: f64) -> Self {
+        Self { radius_m, half_angle_rad: angle_deg.to_radians() }
+    }
+
     /// What the options `radius` (metres) and `angle` (degrees) say; what is left out is 0.
     pub fn of(options: &Params) -> Self {
         let number = |name: &str| match options.get(name) {
             Some(ParamValue::Number(value)) => *value,
             _ => 0.0,
         };
-        Self { radius_m: number("radius"), half_angle_rad: number("angle").to_radians() }
+        Self::new(number("radius"), number("angle"))
     }
 
     /// Whether a light at (position, 1) or (direction towards it, 0) has a size.

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::{Contribution, LightContext, LightSize, OptionError, PassList, ShadowError};
+use super::{Contribution, LightContext, LightSize, OptionError, OptionTable, PassList, ShadowError};
 use crate::scene::{Instance, Params, ShadowNode};
 
 /// Which of the transparent surfaces at a pixel a technique wants its light's factor at, beside the opaque surface.
@@ -112,6 +112,8 @@ pub struct TechniqueEntry {
     pub summary: &'static str,
     /// Makes the technique from its options.
     pub from_params: fn(&Params) -> Result<Arc<dyn ShadowTechnique>, OptionError>,
+    /// What its options accept.
+    pub options: fn() -> OptionTable,
     /// Its quality settings beside the default.
     pub settings: &'static [Setting],
 }

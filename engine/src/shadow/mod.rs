@@ -15,9 +15,10 @@ mod light_context;
 mod light_samples;
 mod options;
 mod pass_list;
+mod receivers;
 mod registry;
 
-pub use area_light::{LightDisc, LightSize, disc_samples};
+pub use area_light::{LightDisc, LightSize, MAX_ANGLE_DEG, MAX_RADIUS_M, disc_samples};
 pub use cache::{Cache, hash_of};
 pub use catalog::{Catalog, Layer, Layers, Setting, ShadowTechnique, TechniqueEntry, Traits};
 pub use contribution::{Apply, Channels, Contribution};
@@ -25,8 +26,9 @@ pub use error::ShadowError;
 pub(crate) use light_context::CountsBefore;
 pub use light_context::{LightContext, MAX_SMOOTH_LIGHTS, View};
 pub use light_samples::{MAX_LIGHT_SAMPLES, light_samples};
-pub use options::{OptionError, OptionReader};
+pub use options::{Accepts, Clash, OptionError, OptionSpec, OptionTable, Options, Word, extension_schema};
 pub use pass_list::{Binding, ColorTarget, DepthTarget, Draw, Geometry, Pass, PassList};
+pub use receivers::receivers_for;
 pub use registry::{Claim, Registry};
 /// What an adapter can do beyond the basics.
 pub use wgpu::Features;

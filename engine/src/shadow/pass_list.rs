@@ -65,14 +65,14 @@ impl PassList<'_> {
         Resource(Symbol::VisibleTriangles)
     }
 
-    /// The normal of the surface that every pixel shows, as `texture_2d<f32>`: x, y and z are along the normal of the visible
-    /// triangle in view space, on the eye's side, and so long as the visible point is far from the eye, where the point
-    /// that depth says is at 1: 1 but on triangles thinner than a pixel, whose depth rasterisers know badly. w is how far
-    /// that point may still be off along the view, in metres, where the surface receives shadows; 0 where it does not or
-    /// nothing is seen. The triangle's own normal, not one blended between vertices. In the plan only when some pass reads
-    /// it.
-    pub fn receiver_normals(&self) -> Resource {
-        Resource(Symbol::ReceiverNormals)
+    /// The plane of the triangle that every pixel shows, as `texture_2d<u32>`: what `unpacked_plane` of
+    /// `common/receiver_depth` reads. There are its unit normal in view space on the eye's side (the triangle's own, not one
+    /// blended between vertices), how high it is over the eye, and how far the triangle's nearest and farthest corners are, in
+    /// metres; these are 0 where the surface does not receive shadows or nothing is seen. `on_plane` there says where the visible
+    /// point is by plane and depth together: depth alone is badly known on triangles thinner than a pixel. In the plan only when
+    /// some pass reads it.
+    pub fn receiver_planes(&self) -> Resource {
+        Resource(Symbol::ReceiverPlanes)
     }
 
     /// Whether some pass has multiplied the light's visibility already: else it is 1, and need not be read.

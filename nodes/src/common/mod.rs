@@ -10,3 +10,4 @@ pub mod masked;
 pub mod screen_bounds;
 pub mod volume;
 pub mod volume_draws;
+pub mod volume_options;

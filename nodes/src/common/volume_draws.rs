@@ -198,7 +198,7 @@ impl How {
 ///
 /// A triangle that lies in a surface's own plane casts nothing on it. Rasterised from other corners, or in another order, the
 /// same plane has other depths, by some tens of roundings of the largest depth on it: so a cap counts as before what it is
-/// before by more than that, the measures' own constant. A bias with a share of the slope would hold for steeper views, but a
+/// before by more than that, with the share of its slope still within the measures' own constant. A bias with a share of the slope would hold for steeper views, but a
 /// cap and a side that meet at an edge would no longer agree there.
 const CAP_BIAS: i32 = 48;
 

@@ -304,7 +304,7 @@ impl ShadowVolumeSoft {
             gathered.triangles = chains.triangle_count;
         }
         bindings.push((6, Binding::Texture(out.receiver_depth())));
-        bindings.push((7, Binding::Texture(out.receiver_normals())));
+        bindings.push((7, Binding::Texture(out.receiver_planes())));
         Ok(Gathered { bindings, on_layer: light.layer().is_some(), ..gathered })
     }
 

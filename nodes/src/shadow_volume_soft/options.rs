@@ -1,15 +1,17 @@
-//! The options of `ShadowVolumeSoft`: their values, their names in scenes, and how they are read and saved.
+//! The options of `ShadowVolumeSoft`.
 
-use std::sync::Arc;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use shadowgraph_engine::shadow::{
+    Clash, LightSize, MAX_ANGLE_DEG, MAX_RADIUS_M, Options, Setting, TechniqueEntry,
+};
 
-use shadowgraph_engine::scene::{ParamValue, Params, ShadowNode};
-use shadowgraph_engine::shadow::{LightSize, OptionError, OptionReader, Setting, TechniqueEntry};
-
-use crate::shadow_volume_hard::options::{CLOSURES, COUNTERS, DEPTH_TESTS, GEOMETRIES, name_of};
-use crate::{Closure, CounterKind, DepthTest, GeometryMode, ShadowVolumeHard};
+use crate::ShadowVolumeHard;
+use crate::common::volume_options::{Closure, CounterKind, DepthTest, GeometryMode};
 
 /// How the visible part of a light is found.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
 pub enum Quality {
     /// Sample by sample: each of the light's samples is blocked or not, exactly.
     #[default]
@@ -21,7 +23,8 @@ pub enum Quality {
 }
 
 /// What the factor is applied to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
 pub enum Apply {
     /// To the light, at every pixel.
     #[default]
@@ -31,59 +34,59 @@ pub enum Apply {
 }
 
 /// The node and its options.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct ShadowVolumeSoft {
     /// The radius of point and spot lights, in metres; 0 for hard shadows.
+    #[serde(rename = "radius")]
+    #[schemars(range(min = 0.0, max = MAX_RADIUS_M))]
     pub radius_m: f64,
     /// Half the angle under which a directional light is seen, in degrees; 0 for hard shadows.
-    pub half_angle_deg: f64,
-    /// How much of the light, or of the picture, a shadow takes away, from 0 to 1. Factors stay what they are.
-    pub weight: f64,
-    /// Which triangles cast.
-    pub geometry: GeometryMode,
-    /// How open casters are closed.
-    pub closure: Closure,
-    /// From where crossings are counted, wherever volumes are drawn: for lights without size, and by `wedge`.
-    pub depth_test: DepthTest,
-    /// Where counts are kept, wherever volumes are drawn.
-    pub counter: CounterKind,
+    #[serde(rename = "angle")]
+    #[schemars(range(min = 0.0, max = MAX_ANGLE_DEG))]
+    pub angle_deg: f64,
     /// How the visible part of the light is found.
     pub quality: Quality,
-    /// Samples of a light, for `sampled`.
+    /// Samples of a light, with `quality` `sampled` only.
+    #[schemars(range(min = LEAST_SAMPLES, max = MOST_SAMPLES))]
     pub samples: u32,
-    /// What the factor is applied to.
+    /// How much of the light, or of the picture, a shadow takes away. Factors stay what they are.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub weight: f64,
+    /// What the factor is applied to: to the light, or to the finished picture.
     pub apply: Apply,
+    /// Which triangles cast: of a solid those that face the light, refused for what is no solid; or all.
+    pub geometry: GeometryMode,
+    /// How open casters are closed before they cast, as `ShadowVolumeHard` does.
+    pub closure: Closure,
+    /// From where crossings are counted, as `ShadowVolumeHard` does; where volumes are drawn: with `quality` `wedge`, and for
+    /// lights without size.
+    pub depth_test: DepthTest,
+    /// Where counts are kept, as `ShadowVolumeHard` does; for lights without size only.
+    pub counter: CounterKind,
 }
 
 impl Default for ShadowVolumeSoft {
     fn default() -> Self {
         Self {
             radius_m: 0.1,
-            half_angle_deg: 0.27,
+            angle_deg: 0.27,
+            quality: Quality::default(),
+            samples: 64,
             weight: 1.0,
+            apply: Apply::default(),
             geometry: GeometryMode::default(),
             closure: Closure::default(),
             depth_test: DepthTest::default(),
             counter: CounterKind::default(),
-            quality: Quality::default(),
-            samples: 64,
-            apply: Apply::default(),
         }
     }
 }
 
-/// The type name scenes use.
-pub(super) const TYPE_NAME: &str = "ShadowVolumeSoft";
-const QUALITIES: &[(&str, Quality)] =
-    &[("sampled", Quality::Sampled), ("perReceiver", Quality::PerReceiver), ("wedge", Quality::Wedge)];
-const APPLIES: &[(&str, Apply)] = &[("perPixel", Apply::PerPixel), ("darken", Apply::Darken)];
-
-/// The largest light, in metres: as far away as anything may be.
-const LARGEST_RADIUS_M: f64 = 1e15;
-/// The widest directional light: beyond, it would reach around the receiver.
-const WIDEST_HALF_ANGLE_DEG: f64 = 60.0;
-/// Fewer samples than that are seen one by one, more take more memory at every pixel than shaders have.
-const SAMPLES: std::ops::RangeInclusive<u32> = 16..=256;
+/// Fewer samples than that are seen one by one.
+const LEAST_SAMPLES: u32 = 16;
+/// More take more memory at every pixel than shaders have.
+const MOST_SAMPLES: u32 = 256;
 
 /// What reports and tests try beside the default.
 const SETTINGS: &[Setting] = &[
@@ -113,63 +116,12 @@ const SETTINGS: &[Setting] = &[
 
 impl ShadowVolumeSoft {
     /// How the catalog knows it.
-    pub const ENTRY: TechniqueEntry = TechniqueEntry {
-        type_name: TYPE_NAME,
-        short_name: "soft",
-        summary: "soft shadows of any triangles from lights with a size",
-        from_params: |params| Ok(Arc::new(Self::from_params(params)?)),
-        settings: SETTINGS,
-    };
-
-    /// Reads the options.
-    ///
-    /// # Errors
-    /// [`OptionError`] names the option and what is accepted.
-    pub fn from_params(params: &Params) -> Result<Self, OptionError> {
-        let mut options = OptionReader::new(TYPE_NAME, params);
-        let default = Self::default();
-        let node = Self {
-            radius_m: options.number("radius", default.radius_m, 0.0, LARGEST_RADIUS_M)?,
-            half_angle_deg: options.number("angle", default.half_angle_deg, 0.0, WIDEST_HALF_ANGLE_DEG)?,
-            weight: options.number("weight", default.weight, 0.0, 1.0)?,
-            geometry: options.choice("geometry", GEOMETRIES)?,
-            closure: options.choice("closure", CLOSURES)?,
-            depth_test: options.choice("depthTest", DEPTH_TESTS)?,
-            counter: options.choice("counter", COUNTERS)?,
-            quality: options.choice("quality", QUALITIES)?,
-            samples: {
-                let (least, most) = (f64::from(*SAMPLES.start()), f64::from(*SAMPLES.end()));
-                let samples = options.number("samples", f64::from(default.samples), least, most)?;
-                if samples.fract() != 0.0 {
-                    return Err(options.conflict("samples", "a whole number from 16 to 256"));
-                }
-                samples as u32
-            },
-            apply: options.choice("apply", APPLIES)?,
-        };
-        options.finish()?;
-        Ok(node)
-    }
-
-    /// All options with their values.
-    pub(super) fn to_params(self) -> Params {
-        Params::from([
-            ("radius".into(), ParamValue::Number(self.radius_m)),
-            ("angle".into(), ParamValue::Number(self.half_angle_deg)),
-            ("weight".into(), ParamValue::Number(self.weight)),
-            ("geometry".into(), name_of(GEOMETRIES, &self.geometry)),
-            ("closure".into(), name_of(CLOSURES, &self.closure)),
-            ("depthTest".into(), name_of(DEPTH_TESTS, &self.depth_test)),
-            ("counter".into(), name_of(COUNTERS, &self.counter)),
-            ("quality".into(), name_of(QUALITIES, &self.quality)),
-            ("samples".into(), ParamValue::Number(f64::from(self.samples))),
-            ("apply".into(), name_of(APPLIES, &self.apply)),
-        ])
-    }
+    pub const ENTRY: TechniqueEntry =
+        TechniqueEntry::of::<Self>("soft", "soft shadows of any triangles from lights with a size", SETTINGS);
 
     /// How large its lights are.
     pub(super) fn size(&self) -> LightSize {
-        LightSize { radius_m: self.radius_m, half_angle_rad: self.half_angle_deg.to_radians() }
+        LightSize::new(self.radius_m, self.angle_deg)
     }
 
     /// The same options for a light without size.
@@ -184,8 +136,22 @@ impl ShadowVolumeSoft {
     }
 }
 
-impl From<ShadowVolumeSoft> for ShadowNode {
-    fn from(node: ShadowVolumeSoft) -> Self {
-        Self { technique: TYPE_NAME.into(), params: node.to_params(), ..Self::default() }
+impl Options for ShadowVolumeSoft {
+    const TYPE_NAME: &'static str = "ShadowVolumeSoft";
+
+    fn check(&self) -> Vec<Clash> {
+        let mut clashes = Vec::new();
+        let mut clash = |option, accepted| clashes.push(Clash { option, accepted });
+        let has_points = self.radius_m == 0.0 || self.angle_deg == 0.0;
+        if self.quality != Quality::Sampled {
+            clash("samples", "with quality=sampled only");
+        }
+        if self.quality != Quality::Wedge && !has_points {
+            clash("depthTest", "with quality=wedge, or with a radius or an angle of 0");
+        }
+        if !has_points {
+            clash("counter", "with a radius or an angle of 0 only");
+        }
+        clashes
     }
 }

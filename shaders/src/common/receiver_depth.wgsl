@@ -1,4 +1,4 @@
-// How far the depth of a visible surface may be off, and the point that it says with it.
+// The plane of a visible surface, how far its depth may be off, and which point the two of them say.
 
 #import common/frame
 
@@ -25,4 +25,81 @@ fn depth_loss(p: vec3f, normal: vec3f) -> f32 {
     let here = abs(dot(normal, p) / p.z);
     let steepness = widest / max(here, 1e-37);
     return select(1.0, max(1.0, steepness / STEEPEST_DEPTH), frame.eye_w > 0.0);
+}
+
+// The plane of the triangle that a pixel shows, in view space.
+struct ReceiverPlane {
+    // Unit, on the eye's side.
+    normal: vec3f,
+    // How high the plane is over the eye along the normal.
+    offset_m: f32,
+    // How far the triangle's nearest and farthest corner are; both 0 where it does not receive shadows.
+    near_m: f32,
+    far_m: f32,
+}
+
+// The upper half of a distance's digits, rounded up.
+fn upper_half(distance_m: f32) -> u32 {
+    return (bitcast<u32>(distance_m) + 0xffffu) >> 16u;
+}
+
+// A normal of the upper or lower half of a sphere on a square (the octahedron's faces folded out), and back.
+fn folded_out(n: vec3f) -> vec2f {
+    let on_octahedron = n / (abs(n.x) + abs(n.y) + abs(n.z));
+    let p = on_octahedron.xy;
+    let below = (1.0 - abs(p.yx)) * select(vec2f(-1.0), vec2f(1.0), p >= vec2f(0.0));
+    return select(p, below, on_octahedron.z < 0.0);
+}
+
+fn folded_in(p: vec2f) -> vec3f {
+    let z = 1.0 - abs(p.x) - abs(p.y);
+    let beyond = max(-z, 0.0);
+    return normalize(vec3f(p - select(vec2f(-beyond), vec2f(beyond), p >= vec2f(0.0)), z));
+}
+
+// As a texel of the image of receivers' planes: four words, so that drawing it costs no more than a triangle's number.
+fn packed_plane(plane: ReceiverPlane) -> vec4u {
+    let place = bitcast<vec2u>(folded_out(plane.normal));
+    return vec4u(place, bitcast<u32>(plane.offset_m), upper_half(plane.near_m) | (upper_half(plane.far_m) << 16u));
+}
+
+fn unpacked_plane(texel: vec4u) -> ReceiverPlane {
+    let normal = folded_in(bitcast<vec2f>(texel.xy));
+    let near_m = bitcast<f32>(texel.w << 16u);
+    let far_m = bitcast<f32>(texel.w & 0xffff0000u);
+    return ReceiverPlane(normal, bitcast<f32>(texel.z), near_m, far_m);
+}
+
+// How far the visible point may be off along the view, relative to the distance of its triangle's farthest corner: what
+// vertex shaders round of it, four roundings, and rasterisers lose when they cut the triangle at the picture's edges.
+const CORNER_ROUNDING: f32 = 2.4e-7;
+// What rounding leaves of how high a point is over a plane, relative to the distances of both.
+const PLANE_ROUNDING: f32 = 6e-7;
+
+// What depth and plane say of the visible point together.
+struct OnPlane {
+    // So many times as far from the eye it is as depth says.
+    farther: f32,
+    // How far it may then be off along the view.
+    uncertain_m: f32,
+}
+
+// Of a triangle thinner than a pixel the depth is reckoned from edges that all but coincide, and the point it says, `p` in view
+// space, is off the triangle's plane by more than rounding: there the plane says where it is.
+fn on_plane(plane: ReceiverPlane, p: vec3f) -> OnPlane {
+    let distance_m = select(abs(p.z), length(p), frame.eye_w > 0.0);
+    let view = select(vec3f(0.0, 0.0, -1.0), p / max(distance_m, 1e-30), frame.eye_w > 0.0);
+    let slope = max(abs(dot(plane.normal, view)), 1e-6);
+    let off_plane_m = dot(plane.normal, p) - plane.offset_m;
+    let lost_m = PLANE_ROUNDING * (plane.near_m + distance_m);
+    let is_off = abs(off_plane_m) > 2.0 * lost_m;
+    // Normals are on the eye's side: what is before the plane has to move on.
+    let farther = select(1.0, 1.0 + off_plane_m / (slope * max(distance_m, 1e-30)), is_off);
+    let uncertain_m = select(max(CORNER_ROUNDING * plane.far_m, 4.0 * abs(off_plane_m) / slope), lost_m / slope, is_off);
+    return OnPlane(max(farther, 1e-3), uncertain_m);
+}
+
+// The point that depth says, so many times as far from the eye.
+fn farther(p: vec3f, times: f32) -> vec3f {
+    return select(vec3f(p.xy, p.z * times), p * times, frame.eye_w > 0.0);
 }

@@ -171,7 +171,7 @@ fn take_light(in: SoftVaryings) {
 #endif
 #endif
 @group(1) @binding(6) var receiver_depth: texture_depth_2d;
-@group(1) @binding(7) var receiver_normals: texture_2d<f32>;
+@group(1) @binding(7) var receiver_planes: texture_2d<u32>;
 
 // What rounding leaves of a height over a plane, relative to the distances of point and plane from the eye.
 const ROUNDING: f32 = 6e-7;
@@ -198,16 +198,11 @@ fn world_from_view(d: vec3f) -> vec3f {
     return soft.world_x * d.x + soft.world_y * d.y + soft.world_z * d.z;
 }
 
-// The point that depth says, so many times as far from the eye.
-fn farther(p: vec3f, times: f32) -> vec3f {
-    return select(vec3f(p.xy, p.z * times), p * times, frame.eye_w > 0.0);
-}
-
-// The point at `pixel`, whose depth is not 0, and where its light is. What depends on the frame is left out. `normal` is what
-// the image of receivers' normals has there.
-fn receiver_at(pixel: vec2f, depth: f32, normal: vec4f) -> Receiver {
+// The point at `pixel`, whose depth is not 0, and where its light is. What depends on the frame is left out. It is so
+// many times `as_far` from the eye as depth says.
+fn receiver_at(pixel: vec2f, depth: f32, as_far: f32) -> Receiver {
     var r: Receiver;
-    r.p = world_from_view(farther(view_from_pixel(pixel, depth), length(normal.xyz)));
+    r.p = world_from_view(farther(view_from_pixel(pixel, depth), as_far));
     let offset = soft.light.xyz - r.p * soft.light.w;
     r.light_distance = length(offset);
     r.w = offset / r.light_distance;
@@ -218,13 +213,12 @@ fn receiver_at(pixel: vec2f, depth: f32, normal: vec4f) -> Receiver {
     return r;
 }
 
-// The same with its frame, and with how far it may be off. `normal` is what the image of receivers' normals has there.
-fn with_frame(receiver: Receiver, pixel: vec2f, depth: f32, normal: vec4f) -> Receiver {
+// The same with its frame, and with how far it may be off, on a plane with this normal in view space.
+fn with_frame(receiver: Receiver, pixel: vec2f, depth: f32, normal: vec3f, at: OnPlane) -> Receiver {
     var r = receiver;
-    let times = length(normal.xyz);
-    let p = farther(view_from_pixel(pixel, depth), times);
-    let step = (world_from_view(farther(deeper(pixel, depth), times)) - r.p) * depth_loss(p, normal.xyz / times);
-    r.step = step * max(1.0, normal.w / max(length(step), 1e-37));
+    let p = farther(view_from_pixel(pixel, depth), at.farther);
+    let step = (world_from_view(farther(deeper(pixel, depth), at.farther)) - r.p) * depth_loss(p, normal);
+    r.step = step * max(1.0, at.uncertain_m / max(length(step), 1e-37));
     r.distance = length(r.p);
     // Unit axes across w: where it is +Y they are +X and −Z, from where the shortest turn takes them along.
     let across = r.w.x * r.w.x + r.w.z * r.w.z;

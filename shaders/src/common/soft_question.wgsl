@@ -9,8 +9,9 @@ struct Question {
     // Unit normal on the eye's side, and how high the light's centre is over the surface.
     n: vec3f,
     height: f32,
-    // What the image of receivers' normals has.
-    normal: vec4f,
+    // The same normal in view space, and what plane and depth say of the point.
+    normal: vec3f,
+    at: OnPlane,
     // How much further up or down a sample may be.
     reach: f32,
 #if CASTERS
@@ -24,12 +25,13 @@ fn question_at(position: vec2f) -> Question {
     var q: Question;
     let pixel = vec2u(position);
     let depth = textureLoad(receiver_depth, pixel, 0);
-    let normal = textureLoad(receiver_normals, pixel, 0);
+    let plane = unpacked_plane(textureLoad(receiver_planes, pixel, 0));
     // Depth is reversed: 0 is infinitely far, where nothing is.
-    q.r = receiver_at(position, depth, normal);
-    q.n = world_from_view(normalize(normal.xyz));
+    q.at = on_plane(plane, view_from_pixel(position, depth));
+    q.r = receiver_at(position, depth, q.at.farther);
+    q.normal = plane.normal;
+    q.n = world_from_view(plane.normal);
     q.height = dot(q.n, q.r.w);
-    q.normal = normal;
     q.reach = q.r.k * sqrt(max(1.0 - q.height * q.height, 0.0)) * 1.00001 + 1e-6;
     q.lit = q.height > q.reach && q.r.k > 0.0;
 #if ON_LAYER
@@ -44,7 +46,7 @@ fn question_at(position: vec2f) -> Question {
     let is_near = q.lists.near.first < q.lists.near.end || q.lists.clusters > 0u;
     q.lit = q.lit && !listed && !is_near;
 #endif
-    q.lit = q.lit || depth == 0.0 || normal.w == 0.0;
+    q.lit = q.lit || depth == 0.0 || plane.far_m == 0.0;
     return q;
 }
 

@@ -1,0 +1,33 @@
+//! Why an option was refused: every mistake is named together with what is accepted.
+
+use thiserror::Error;
+
+use crate::scene::ParamValue;
+
+/// Why an option was refused.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
+pub enum OptionError {
+    #[error("{technique} has no option '{option}' (it has: {known})")]
+    Unknown { technique: &'static str, option: String, known: String },
+    #[error("{technique}: option '{option}' is {value}, accepted: {accepted}")]
+    BadValue { technique: &'static str, option: String, value: String, accepted: String },
+    #[error("{technique}: {problem}")]
+    Unreadable { technique: &'static str, problem: String },
+}
+
+impl OptionError {
+    /// The refusal of `value`.
+    pub(super) fn bad_value(
+        technique: &'static str,
+        option: &str,
+        value: &ParamValue,
+        accepted: String,
+    ) -> Self {
+        let value = match value {
+            ParamValue::Text(text) => format!("'{text}'"),
+            other => other.to_string(),
+        };
+        Self::BadValue { technique, option: option.into(), value, accepted }
+    }
+}

@@ -1,0 +1,171 @@
+//! The exact reference for lights with a size, sample by sample.
+//!
+//! **The light** is a disc, as `shadowgraph_engine::shadow` defines it for every technique ([`LightSize::disc`]).
+//!
+//! **The factor** is the share of samples that nothing blocks, each judged as hard shadows are. Samples on the other side
+//! of the receiving triangle than the eye are dark, unless the receiver is transparent: then light passes it, and each sample
+//! is only what stands strictly between. *Same samples* ([`light_samples`]) are those that the judged technique takes
+//! itself, so that every pixel can be judged; else there are so many stratified ones ([`disc_samples`]) that their share
+//! is as good as the integral: an edge's position is then off by a thousandth of the disc.
+//!
+//! **Bounds.** The moves of the ambiguity band take the disc along: each moved point sees its own. A sample that is
+//! dark for some moves and lit for others may count either way, so a pixel's factor must lie in
+//! \[lit, lit + ambiguous\]/S, without any band that is left out; hard lights are the case S = 1. Where the disc itself is not
+//! settled (its axes turn or its radius grows without bounds within the moves: straight above a lamp, or next to its
+//! sphere), a sample counts as settled only if it is so wherever it may lie.
+
+use glam::DVec2;
+use shadowgraph_engine::shadow::{LightSize, disc_samples, light_samples};
+
+use super::disc::{DiscTracer, Sight};
+use super::moved::Moved;
+use super::query::Judged;
+use super::samples::SampleTree;
+use super::tracer::{CasterSet, Reference};
+use super::way::Way;
+
+/// As many samples stand for the whole light where nothing else is asked for.
+pub const CONVERGED_SAMPLES: u32 = 4096;
+
+/// The points of a disc that a reference asks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Samples {
+    /// So many of [`light_samples`]: those that the technique takes, which is judged sample by sample.
+    Same(u32),
+    /// So many stratified ones, enough to stand for the whole light.
+    Converged(u32),
+}
+
+impl Samples {
+    /// The points.
+    pub fn points(self) -> Vec<DVec2> {
+        match self {
+            Self::Same(count) => light_samples(count),
+            Self::Converged(count) => disc_samples(count, 1),
+        }
+    }
+}
+
+/// What casts for a light with a size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SizedCasters {
+    /// Indices into `Posed::instances`.
+    pub casters: Vec<usize>,
+    /// How large the light is.
+    pub size: LightSize,
+    /// Which points of it are asked.
+    pub samples: Samples,
+}
+
+/// What a [`LightReference`](super::LightReference) knows beyond its factor where the light has a size.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SoftBounds {
+    /// The samples that the judged technique takes itself; `None` where some stand for the whole light.
+    pub same_samples: Option<u32>,
+    /// For each value of the factor (one a pixel, or three) the least and the largest that ambiguous samples allow.
+    pub bounds: Vec<[f32; 2]>,
+    /// The mean, over the samples, of the boundary pixels of each one's own shadow: with it the band is compared, which for
+    /// several samples is the mean of their bands. Known for same samples.
+    pub boundary_px: f64,
+}
+
+/// [`SizedCasters`] of one reference.
+pub(crate) struct SizedQuery {
+    pub(crate) casters: CasterSet,
+    pub(crate) size: LightSize,
+    pub(crate) samples: Vec<DVec2>,
+    tree: SampleTree,
+    pub(crate) same_samples: Option<u32>,
+}
+
+impl SizedQuery {
+    pub(crate) fn new(reference: &Reference, sized: &SizedCasters) -> Self {
+        let samples = sized.samples.points();
+        Self {
+            casters: reference.caster_set(&sized.casters),
+            size: sized.size,
+            tree: SampleTree::new(&samples),
+            samples,
+            same_samples: match sized.samples {
+                Samples::Same(count) => Some(count),
+                Samples::Converged(_) => None,
+            },
+        }
+    }
+
+    /// How many words a pixel's lit samples take: one bit for each.
+    pub(crate) fn words(&self) -> usize {
+        if self.same_samples.is_some() { self.samples.len().div_ceil(64) } else { 0 }
+    }
+
+    /// The share of samples that reach the point; `lit`, as long as [`SizedQuery::words`], says which.
+    pub(crate) fn judge(
+        &self,
+        tracer: &mut DiscTracer<'_>,
+        light: usize,
+        moved: &Moved<'_>,
+        lit: &mut [u64],
+    ) -> Judged {
+        lit.fill(u64::MAX);
+        let light = &tracer.reference.lights[light];
+        let reached = moved.points.map(|point| light.reaches(point));
+        let compared = reached[0];
+        if !moved.surface.receives || !compared {
+            return Judged { factor: 1.0, compared, ambiguous: false, bounds: [1.0; 2] };
+        }
+        let way = Way::new(self.size, &self.casters, light.position, moved);
+        let center_only = way.disc().radius == 0.0;
+        // Lit and certain, lit and ambiguous, dark and ambiguous.
+        let mut counts = [0_u32; 3];
+        let mut darken = |index: usize| {
+            if let Some(word) = lit.get_mut(index / 64) {
+                *word &= !(1 << (index % 64));
+            }
+        };
+        match tracer.gather(&way) {
+            Some(true) => counts[0] = self.samples.len() as u32,
+            Some(false) => (0..self.samples.len()).for_each(darken),
+            None => {
+                let mut tell = |members: &[u32], Sight { lit, certain }: Sight| {
+                    if lit || !certain {
+                        counts[usize::from(!certain) + usize::from(!lit)] += members.len() as u32;
+                    }
+                    if !lit {
+                        members.iter().for_each(|index| darken(*index as usize));
+                    }
+                };
+                match center_only {
+                    // All samples are in the centre; their share is 0 or 1.
+                    true => tell(self.tree.all_members(), tracer.sees_center(&way)),
+                    false => tracer.ask(&way, (&self.tree, &self.samples), &mut tell),
+                }
+            }
+        }
+        let share = |count: u32| (f64::from(count) / self.samples.len() as f64) as f32;
+        let mut bounds = [share(counts[0]), share(counts.iter().sum())];
+        if moved.lost {
+            bounds = [0.0, 1.0];
+        } else if reached.contains(&false) {
+            bounds[1] = 1.0;
+        }
+        let ambiguous = bounds[0] < bounds[1];
+        Judged { factor: share(counts[0] + counts[1]), compared, ambiguous, bounds }
+    }
+}
+
+/// The boundary pixels of every sample's own shadow, on average: `lit` has for each pixel `words` words, a bit for each
+/// sample, of which there are `samples`.
+pub(crate) fn boundary_px(lit: &[u64], words: usize, samples: usize, compared: &[bool], width: usize) -> f64 {
+    let at = |pixel: usize| &lit[pixel * words..(pixel + 1) * words];
+    let both = |a: usize, b: usize| b < compared.len() && compared[a] && compared[b];
+    let mut differing = 0_u64;
+    for pixel in 0..compared.len() {
+        let right = (pixel + 1) % width != 0 && both(pixel, pixel + 1);
+        let below = both(pixel, pixel + width);
+        for (word, own) in at(pixel).iter().enumerate() {
+            let differs = |there: bool, other: usize| if there { own ^ at(other)[word] } else { 0 };
+            differing += u64::from((differs(right, pixel + 1) | differs(below, pixel + width)).count_ones());
+        }
+    }
+    differing as f64 / samples.max(1) as f64
+}

@@ -1,0 +1,255 @@
+//! Measuring everything, one part after the other. What fails is written down, and the rest goes on.
+
+use shadowgraph_engine::gpu::Gpu;
+use shadowgraph_engine::manager::{FrameError, FrameRequest, RenderError, Renderer};
+use shadowgraph_engine::scene::Scene;
+use shadowgraph_engine::shadow::{Catalog, Setting, ShadowError, TechniqueEntry};
+
+use super::axes::{self, Axis, AxisScene};
+use super::data::{AxisReport, AxisStep, Report, ReportScene, StepOutcome, SweepReport, SweepStep, label};
+use super::effort::Effort;
+use super::references::References;
+use super::scene::{self, with_technique, without_shadows};
+use super::totals::Totals;
+use crate::cases::sweeps::{self, Sweep};
+use crate::cases::{Case, Cast};
+use crate::compare::timing::{Runner, Spread, take_turns};
+use crate::{EvaluateError, KnownReferences, evaluate_again, evaluate_converged};
+
+/// Told how many steps are done, of how many, and what comes next.
+pub type Watch<'a> = dyn Fn(usize, usize, &str) + 'a;
+
+/// The steps of a run, told to whoever watches.
+pub(super) struct Steps<'a> {
+    done: usize,
+    all: usize,
+    watch: &'a Watch<'a>,
+}
+
+impl Steps<'_> {
+    pub(super) fn next(&mut self, what: &str) {
+        (self.watch)(self.done, self.all, what);
+        self.done += 1;
+    }
+
+    /// Where `count` more steps end.
+    pub(super) fn after(&self, count: usize) -> usize {
+        self.done + count
+    }
+
+    /// Passes over steps that there turned out to be no need for.
+    pub(super) fn skip_to(&mut self, end: usize) {
+        self.done = end;
+    }
+}
+
+/// What is measured with.
+pub(super) struct Bench<'a> {
+    pub(super) gpu: &'a Gpu,
+    pub(super) catalog: &'a Catalog,
+    pub(super) effort: &'a Effort,
+}
+
+impl Bench<'_> {
+    pub(super) fn renderer(&self) -> Renderer {
+        Renderer::new(self.gpu.clone(), self.catalog.clone())
+    }
+
+    /// Every technique with every setting.
+    pub(super) fn settings(&self) -> Vec<(TechniqueEntry, Setting)> {
+        let of = |entry: &TechniqueEntry| entry.all_settings().map(|s| (*entry, s)).collect::<Vec<_>>();
+        self.catalog.entries().iter().flat_map(of).collect()
+    }
+
+    /// Those that scenes try.
+    pub(super) fn scene_settings(&self) -> Vec<(TechniqueEntry, Setting)> {
+        let mut settings = self.settings();
+        settings.retain(|(_, setting)| self.effort.scene_settings || setting.name == Setting::DEFAULT.name);
+        settings
+    }
+
+    /// Those that axes and sweeps try.
+    fn tried_settings(&self) -> Vec<(TechniqueEntry, Setting)> {
+        let mut settings = self.settings();
+        settings.retain(|(_, setting)| self.effort.all_settings || setting.name == Setting::DEFAULT.name);
+        settings
+    }
+
+    /// Those that `sweep` tries: every quality of a technique whose own option it sweeps.
+    fn settings_for(&self, sweep: &Sweep) -> Vec<(TechniqueEntry, Setting)> {
+        let mut settings = self.settings();
+        settings.retain(|(entry, setting)| {
+            let every = self.effort.all_settings || sweep.tries_all_of(entry);
+            every || setting.name == Setting::DEFAULT.name
+        });
+        settings
+    }
+}
+
+/// Measures `scenes`, and what else `effort` asks for, with every technique of `catalog`.
+pub fn run(
+    gpu: &Gpu,
+    catalog: &Catalog,
+    scenes: &[ReportScene],
+    effort: &Effort,
+    references: &mut References,
+    watch: &Watch<'_>,
+) -> Report {
+    let bench = Bench { gpu, catalog, effort };
+    let axes = if effort.parts.scaling { axes::all(effort) } else { vec![] };
+    let sweeps = if effort.parts.sweeps { sweeps::all() } else { vec![] };
+    let scenes = if effort.parts.scenes { scenes } else { &[] };
+    let all = scenes.len() * scene::steps(&bench)
+        + axes.iter().map(|axis| axis.steps.len()).sum::<usize>()
+        + sweeps.iter().map(|sweep| bench.settings_for(sweep).len()).sum::<usize>();
+    let mut steps = Steps { done: 0, all, watch };
+    let mut report = Report {
+        adapter: gpu.name(),
+        effort: effort.name,
+        size_px: effort.size_px,
+        processors: std::thread::available_parallelism().map_or(1, usize::from),
+        techniques: catalog.entries().iter().map(|e| [e.type_name, e.short_name, e.summary]).collect(),
+        ..Report::default()
+    };
+    for scene in scenes {
+        let measured = scene::measure(&bench, scene, references, &mut steps, &mut report.pictures);
+        report.scenes.push(measured);
+        references.forget();
+    }
+    report.axes = axes.iter().map(|axis| measure_axis(&bench, axis, &mut steps)).collect();
+    report.sweeps = sweeps.iter().map(|sweep| measure_sweep(&bench, sweep, &mut steps)).collect();
+    report
+}
+
+/// Whether an error is a technique's refusal, which is an answer, or a failure.
+pub(super) fn is_refusal(error: &RenderError) -> bool {
+    let shadow = match error {
+        RenderError::Shadow(shadow) | RenderError::Frame(FrameError::Shadow(shadow)) => shadow,
+        _ => return false,
+    };
+    matches!(
+        shadow,
+        ShadowError::CasterRefused { .. }
+            | ShadowError::MissingFeature { .. }
+            | ShadowError::Unsupported { .. }
+    )
+}
+
+fn unmeasured<T>(error: &RenderError) -> StepOutcome<T> {
+    if is_refusal(error) {
+        StepOutcome::Refused(error.to_string())
+    } else {
+        StepOutcome::Failed(error.to_string())
+    }
+}
+
+fn measure_axis(bench: &Bench<'_>, axis: &Axis, steps: &mut Steps<'_>) -> AxisReport {
+    let settings = bench.tried_settings();
+    let labels = settings.iter().map(|(entry, setting)| label(entry.short_name, setting.name));
+    let mut report = AxisReport {
+        parameter: axis.parameter,
+        shows: axis.shows,
+        unshadowed_ms: Vec::new(),
+        techniques: labels.map(|label| (label, Vec::new())).collect(),
+    };
+    for step in &axis.steps {
+        steps.next(&format!("cost against {}: {}", axis.parameter, step.value));
+        let (unshadowed_ms, outcomes) = measure_size(bench, step, &settings);
+        report.unshadowed_ms.extend(unshadowed_ms.map(|spread| (step.value, spread)));
+        for ((_, steps), outcome) in report.techniques.iter_mut().zip(outcomes) {
+            steps.push(AxisStep { value: step.value, outcome });
+        }
+    }
+    report
+}
+
+/// One size: frames without shadows, and what every setting adds to them.
+fn measure_size(
+    bench: &Bench<'_>,
+    step: &AxisScene,
+    settings: &[(TechniqueEntry, Setting)],
+) -> (Option<Spread>, Vec<StepOutcome<Spread>>) {
+    let (scene, camera) = step.build();
+    let request = FrameRequest::new(camera, step.size_px);
+    let runner = |scene: Scene| Runner { renderer: bench.renderer(), scene, request: request.clone() };
+    let mut runners = vec![runner(without_shadows(&scene))];
+    let mut outcomes = Vec::new();
+    for (entry, setting) in settings {
+        let mut runner = runner(with_technique(&scene, entry, setting));
+        let planned = runner.renderer.plan(&runner.scene, &runner.request);
+        outcomes.push(planned.as_ref().err().map(unmeasured));
+        runners.extend(planned.is_ok().then_some(runner));
+    }
+    let failed = |why: String| outcomes.iter().map(|_| StepOutcome::Failed(why.clone())).collect();
+    let times_ms = match take_turns(&mut runners, &bench.effort.axis_pace) {
+        Ok(times_ms) => times_ms,
+        Err(error) => return (None, failed(error.to_string())),
+    };
+    let mut shadowed = times_ms[1..].iter();
+    let outcomes = outcomes.into_iter().map(|refused| {
+        refused.unwrap_or_else(|| {
+            let with_ms = shadowed.next().map_or(&[][..], |times| times);
+            let added = with_ms.iter().zip(&times_ms[0]).map(|(with, without)| with - without);
+            StepOutcome::Measured(Spread::of(added.collect()))
+        })
+    });
+    (Some(Spread::of(times_ms[0].clone())), outcomes.collect())
+}
+
+fn measure_sweep(bench: &Bench<'_>, sweep: &Sweep, steps: &mut Steps<'_>) -> SweepReport {
+    let all = sweep.steps(&Cast::NOBODY);
+    let last = all.len().saturating_sub(1);
+    let stride = bench.effort.sweep_stride.max(1);
+    let taken: Vec<&(f64, Case)> =
+        all.iter().enumerate().filter(|(i, _)| i % stride == 0 || *i == last).map(|(_, step)| step).collect();
+    // Traced once for all techniques and settings.
+    let [_, whole_light] = bench.effort.whole_light_samples;
+    let mut known = vec![KnownReferences::with_samples(whole_light); taken.len()];
+    let mut techniques = Vec::new();
+    for (entry, setting) in bench.settings_for(sweep) {
+        let label = label(entry.short_name, setting.name);
+        steps.next(&format!("sweep {}: {label}", sweep.id));
+        let mut renderer = bench.renderer();
+        let measure = |((value, case), known): (&&(f64, Case), &mut KnownReferences)| {
+            let outcome = match case.scene_with(&entry, &(setting.params)()) {
+                Ok(scene) => measure_case(&mut renderer, &scene, case, known),
+                Err(error) => StepOutcome::Failed(error.to_string()),
+            };
+            SweepStep { value: *value, outcome }
+        };
+        techniques.push((label, taken.iter().zip(&mut known).map(measure).collect()));
+    }
+    let compared = bench.catalog.entries().iter().find(|entry| sweep.compares(entry));
+    SweepReport {
+        id: sweep.id,
+        parameter: sweep.parameter,
+        unit: sweep.unit,
+        is_log: sweep.axis == sweeps::Axis::Log,
+        what_breaks: sweep.what_breaks,
+        f32_loses: sweep.f32_loses,
+        option: sweep.option,
+        compares: compared.map(|entry| entry.short_name),
+        techniques,
+    }
+}
+
+fn measure_case(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    case: &Case,
+    known: &mut KnownReferences,
+) -> StepOutcome<Totals> {
+    let request = case.request();
+    match evaluate_again(renderer, scene, &request, known, &|_, _| {}) {
+        // Beside the whole light, whatever samples a technique takes.
+        Ok(found) => match evaluate_converged(renderer, scene, &request, &found, known, &|_, _| {}) {
+            Ok(Some(whole)) => {
+                StepOutcome::Measured(Totals::of(&whole.errors, &found.measured, &whole.reference))
+            }
+            Ok(None) => StepOutcome::Measured(Totals::of(&found.errors, &found.measured, &found.reference)),
+            Err(error) => StepOutcome::Failed(error.to_string()),
+        },
+        Err(EvaluateError::Render(error)) => unmeasured(&error),
+        Err(error) => StepOutcome::Failed(error.to_string()),
+    }
+}

@@ -1,0 +1,100 @@
+//! Every technique × every hard case × every setting, on linear factors, judged by the exact reference.
+//!
+//! `CASE=part-of-a-name` tries the cases so called and prints the plan of what fails; `DUMP=folder` writes error maps.
+
+use std::collections::BTreeMap;
+
+use crate::known::KNOWN_ON_CASES;
+use crate::tolerances::ROWS;
+use crate::trials::{Trial, dump, is_thinned, try_all, with_two_renderers};
+use shadowgraph::cases::{self, Case, sweeps};
+use shadowgraph::measure::ReferenceShadow;
+use shadowgraph::prelude::*;
+
+/// The built-in techniques, the reference among them.
+fn renderer() -> Option<Renderer> {
+    let mut catalog = shadowgraph_nodes::catalog();
+    catalog.register(ReferenceShadow::ENTRY);
+    Some(Renderer::new(shadowgraph_testing::renderer()?.gpu().clone(), catalog))
+}
+
+#[test]
+fn every_technique_does_on_every_case_what_it_declares() {
+    let filter = std::env::var("CASE").unwrap_or_default();
+    let cases = cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST));
+    let cases: Vec<Case> = cases.filter(|case| case.name().contains(&filter)).collect();
+    assert!(!cases.is_empty(), "no case is called '{filter}'");
+    let mut failures = Vec::new();
+    let mut accepted: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    let judged = with_two_renderers(renderer, &cases, |renderer, case| {
+        let trials = try_all(renderer, case, ROWS);
+        let outcome = |trial: &Trial| {
+            dump(trial);
+            let is_known = KNOWN_ON_CASES
+                .iter()
+                .any(|known| known.is_about(trial.technique, trial.setting, &trial.case));
+            // What is listed and right would excuse the next fault.
+            let right =
+                (is_known && trial.accepted).then(|| "is right now: strike it out of what is known".into());
+            if is_known && trial.complaint.is_some() {
+                println!("known: {}", trial.name());
+            }
+            let complaint = match (&trial.complaint, is_known) {
+                (Some(_), true) => None,
+                (None, _) => right,
+                (Some(complaint), false) => Some(complaint.clone()),
+            };
+            let complaint = complaint.map(|complaint| {
+                if let (Some(evaluation), false) = (&trial.evaluation, filter.is_empty()) {
+                    println!("{}", evaluation.frame.plan);
+                }
+                format!("{}: {complaint}", trial.name())
+            });
+            ((trial.technique, trial.setting), trial.accepted, complaint)
+        };
+        trials.iter().map(outcome).collect::<Vec<_>>()
+    });
+    let Some(judged) = judged else { return };
+    for (setting, is_accepted, complaint) in judged.into_iter().flatten() {
+        *accepted.entry(setting).or_default() += usize::from(is_accepted);
+        failures.extend(complaint);
+    }
+    for ((technique, setting), count) in &accepted {
+        println!("{technique} ({setting}): {count} of {} accepted", cases.len());
+        let row = ROWS.iter().find(|row| row.technique == *technique && row.setting == *setting);
+        let every = filter.is_empty() && !is_thinned(technique, setting);
+        if every && row.is_some_and(|row| *count < row.accepts_at_least) {
+            failures.push(format!("{technique} ({setting}) accepts only {count} cases"));
+        }
+    }
+    assert!(failures.is_empty(), "{} fail:\n{}", failures.len(), failures.join("\n"));
+}
+
+#[test]
+fn every_row_belongs_to_a_technique() {
+    let mut catalog = shadowgraph_nodes::catalog();
+    catalog.register(ReferenceShadow::ENTRY);
+    let known: Vec<_> = catalog
+        .entries()
+        .iter()
+        .flat_map(|entry| entry.all_settings().map(|setting| (entry.type_name, setting.name)))
+        .collect();
+    let listed: Vec<_> = ROWS.iter().map(|row| (row.technique, row.setting)).collect();
+    assert_eq!(
+        listed.iter().filter(|row| !known.contains(row)).collect::<Vec<_>>(),
+        Vec::<&(&str, &str)>::new()
+    );
+    let unique: std::collections::HashSet<_> = listed.iter().collect();
+    assert_eq!(unique.len(), listed.len(), "a row is there twice");
+    let names =
+        cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST)).map(|case| case.name());
+    let steps = sweeps::all()
+        .into_iter()
+        .flat_map(|sweep| sweep.steps(&shadowgraph::CAST))
+        .map(|(_, case)| case.name());
+    let names: Vec<_> = names.chain(steps).collect();
+    for (case, _) in ROWS.iter().flat_map(|row| row.exceptions()) {
+        let found = names.iter().any(|name| name == case || name.starts_with(&format!("{case}/")));
+        assert!(found, "no case is called '{case}'");
+    }
+}

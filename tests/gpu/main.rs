@@ -1,0 +1,45 @@
+//! What is drawn: every technique on every hard case, pictures and factors, robustness.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "rows of measurements are what a reader of the log is after")]
+
+#[path = "../../examples/own_surface/mod.rs"]
+mod own_surface;
+#[path = "../../examples/own_technique/mod.rs"]
+mod own_technique;
+
+mod animation;
+mod antialias;
+mod confined;
+mod conformance;
+mod equivalence;
+mod hard_options;
+mod kept_textures;
+mod known;
+mod layers;
+mod many_lights;
+mod materials;
+mod models;
+mod outside_technique;
+mod plan_execution;
+mod planar;
+mod robustness;
+mod sabotage;
+mod sabotage_glass;
+mod search;
+mod shading;
+mod shared_light;
+mod soft_areas;
+mod soft_inputs;
+mod soft_motion;
+mod soft_shadows;
+mod stability;
+mod surface_functions;
+mod technique_inputs;
+mod textured;
+mod tints;
+mod tolerances;
+mod tolerances_found;
+mod transparent;
+mod trials;
+mod wide_floor;

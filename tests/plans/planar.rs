@@ -1,0 +1,208 @@
+//! `SoftShadow`: its options, what it refuses, and its plans. No GPU.
+
+use shadowgraph::engine::gltf;
+use shadowgraph::engine::plan::{Access, Geometry, SlotKind, TextureFormat};
+use shadowgraph::engine::scene::{NodeKey, ParamValue, Params};
+use shadowgraph::engine::shadow::{Options, ShadowError};
+use shadowgraph::prelude::*;
+use shadowgraph_engine::manager::FrameError;
+use shadowgraph_nodes::{Flat, NotPlanar};
+use shadowgraph_testing::*;
+
+/// The node with these receivers.
+fn planar(receivers: impl IntoIterator<Item = NodeKey>, node: SoftShadow) -> ShadowNode {
+    ShadowNode::from(node).with_receivers(receivers)
+}
+
+fn find(scene: &Scene, name: &str) -> NodeKey {
+    scene.nodes().find(|(_, node)| node.name == name).unwrap().0
+}
+
+fn shadowed(node: SoftShadow) -> Scene {
+    let mut scene = yard();
+    let floor = find(&scene, "floor");
+    scene.add_shadow("shadows", planar([floor], node));
+    scene
+}
+
+fn refused(scene: &Scene) -> ShadowError {
+    match try_plan(scene, &request()) {
+        Err(FrameError::Shadow(error)) => error,
+        other => panic!("not refused: {other:?}"),
+    }
+}
+
+#[test]
+fn direct_mode_draws_each_point_once_and_weighs() {
+    let plan = plan(&shadowed(SoftShadow::default()), &request());
+    let names: Vec<&str> = plan.passes.iter().map(|pass| pass.name.as_str()).collect();
+    assert_eq!(
+        names,
+        ["depth prepass", "shadows on floor from lamp", "share of lamp on floor", "shading"],
+        "{plan}"
+    );
+    let marks = &plan.passes[1];
+    // The receiver, and 16 points of the light.
+    assert_eq!(marks.draws.len(), 17, "{plan}");
+    let points = marks.draws[1..].iter();
+    assert!(
+        points.clone().all(|draw| matches!(draw.geometry, Geometry::IndexedProcedural { count: 36, .. }))
+    );
+    let references: Vec<u8> = points.map(|draw| draw.state.stencil.unwrap().reference).collect();
+    assert_eq!(references, (239..=254).rev().collect::<Vec<u8>>());
+    let depth = marks.depth.as_ref().unwrap();
+    assert_eq!(depth.stencil, Some(Access::Clear(0.0)));
+    let bits = plan.slot(marks.colors[0].slot);
+    assert!(matches!(bits.kind, SlotKind::Texture { format: TextureFormat::Rg8Unorm, layers: 1, .. }));
+    assert!(plan.slots.iter().all(|slot| slot.kept.is_none()));
+}
+
+#[test]
+fn a_light_without_size_is_one_point() {
+    let hard = SoftShadow { radius_m: 0.0, ..SoftShadow::default() };
+    let plan = plan(&shadowed(hard), &request());
+    let marks = plan.passes_named("shadows on").next().unwrap();
+    assert_eq!(marks.draws.len(), 2);
+    assert!(matches!(
+        plan.slot(marks.colors[0].slot).kind,
+        SlotKind::Texture { format: TextureFormat::R8Unorm, .. }
+    ));
+}
+
+#[test]
+fn many_points_take_layers_and_many_receivers_share_targets() {
+    let mut scene = yard();
+    let floor = find(&scene, "floor");
+    let wall = scene.add_mesh(
+        quad("wall", 4.0),
+        Material::default(),
+        DAffine3::from_rotation_translation(DQuat::from_rotation_x(1.2), DVec3::new(0.0, 1.0, -6.0)),
+    );
+    let node = SoftShadow { samples: 80, ..SoftShadow::default() };
+    scene.add_shadow("shadows", planar([floor, wall], node));
+    let plan = plan(&scene, &request());
+    assert_eq!(plan.passes_named("shadows on").count(), 6, "{plan}");
+    let bits: Vec<_> = plan.slots.iter().filter(|slot| slot.name == "shadowed bits").collect();
+    assert!(matches!(bits[..], [slot] if matches!(slot.kind, SlotKind::Texture { layers: 3, .. })), "{plan}");
+    assert_eq!(plan.slots.iter().filter(|slot| slot.name == "receiver stencil").count(), 1);
+    assert_eq!(plan.passes_named("share of").count(), 2);
+}
+
+#[test]
+fn what_cannot_shadow_the_receiver_is_left_out_and_said() {
+    let mut scene = shadowed(SoftShadow::default());
+    add_box(&mut scene, "cellar", at(0.0, -3.0, 0.0));
+    add_box(&mut scene, "attic", at(0.0, 9.0, 0.0));
+    let plan = plan(&scene, &request());
+    assert!(has_note(&plan, "'cellar' on 'floor' for 'lamp': lies in the plane or under it"), "{plan}");
+    assert!(has_note(&plan, "'attic' on 'floor' for 'lamp': lies beyond the light"), "{plan}");
+    // Alone they leave no pass.
+    let mut scene = with_floor();
+    add_lamp(&mut scene, "lamp");
+    add_box(&mut scene, "cellar", at(0.0, -3.0, 0.0));
+    let floor = find(&scene, "floor");
+    scene.add_shadow("shadows", planar([floor], SoftShadow::default()));
+    let plan = shadowgraph_testing::plan(&scene, &request());
+    assert_eq!(plan.passes.len(), 1, "{plan}");
+}
+
+#[test]
+fn texture_mode_keeps_what_it_draws() {
+    let textured = SoftShadow { mode: PlanarMode::Texture, resolution: 256, ..SoftShadow::default() };
+    let plan = plan(&shadowed(textured), &request());
+    let text = plan.to_string();
+    assert_eq!(text.matches("kept: runs only when").count(), 3, "{plan}");
+    let texture = plan.slots.iter().find(|slot| slot.name == "shadow texture").unwrap();
+    assert!(texture.kept.is_some());
+    // The longer side is what was asked for, and no texel lies where no shadow can.
+    let SlotKind::Texture { size_px: [width, height], .. } = texture.kind else { panic!("{plan}") };
+    assert_eq!(width.max(height), 256);
+    // What is left of every frame: the receiver's two triangles.
+    let share = plan.passes_named("share of").next().unwrap();
+    assert_eq!(share.draws.iter().map(|draw| draw.vertices()).sum::<u64>(), 6);
+}
+
+#[test]
+fn receivers_that_are_no_planes_are_refused_by_name() {
+    let mut scene = yard();
+    let (floor, body) = (find(&scene, "floor"), find(&scene, "crate"));
+    scene.add_shadow("shadows", planar([floor, body], SoftShadow::default()));
+    let error = refused(&scene);
+    assert!(
+        matches!(&error, ShadowError::ReceiverRefused { receiver, .. } if receiver == "crate"),
+        "{error}"
+    );
+    let text = error.to_string();
+    assert!(text.contains("'crate'") && text.contains("1.000e0 m out of its plane"), "{text}");
+    // A tenth of a millimetre in a metre is a bump; what f32 leaves of a turned plane is none.
+    let bump = |height: f32| {
+        let mut data = shapes::plane(glam::Vec2::splat(0.5));
+        data.positions[0].y = height;
+        let mut scene = Scene::new();
+        scene.add_mesh(mesh(data), Material::default(), DAffine3::IDENTITY);
+        Flat::of(&scene.pose().unwrap().instances[0])
+    };
+    assert!(matches!(bump(1e-4), Err(NotPlanar::Deviates { deviation_m, .. }) if deviation_m > 2e-5));
+    assert!(bump(1e-8).is_ok());
+    let mut data = shapes::plane(glam::Vec2::splat(7.0));
+    let turn = glam::Quat::from_euler(glam::EulerRot::XYZ, 0.3, 1.1, -0.7);
+    data.positions.iter_mut().for_each(|p| *p = turn * *p + Vec3::new(3.0, -50.0, 20.0));
+    let mut scene = Scene::new();
+    scene.add_mesh(mesh(data), Material::default(), DAffine3::from_rotation_y(0.4));
+    assert!(Flat::of(&scene.pose().unwrap().instances[0]).is_ok());
+}
+
+#[test]
+fn four_samples_a_pixel_are_refused() {
+    let request = FrameRequest { antialias: Antialias::Multisample4, ..request() };
+    let error = try_plan(&shadowed(SoftShadow::default()), &request).unwrap_err();
+    assert!(matches!(error, FrameError::Shadow(ShadowError::NotPerSample { .. })), "{error}");
+}
+
+#[test]
+fn options_say_what_is_accepted() {
+    let read = |name: &str, value: ParamValue| {
+        SoftShadow::from_params(&Params::from([(name.into(), value)])).map_err(|error| error.to_string())
+    };
+    let number = ParamValue::Number;
+    assert_eq!(read("samples", number(64.0)).unwrap().samples, 64);
+    for value in [0.0, 2.5, 1025.0] {
+        assert!(read("samples", number(value)).unwrap_err().contains("from 1 to 1024"), "{value}");
+    }
+    assert!(read("radius", number(-1.0)).unwrap_err().contains("from 0"));
+    assert!(read("mode", ParamValue::Text("baked".into())).unwrap_err().ends_with("direct, texture"));
+    assert!(read("resolution", number(10_000.0)).unwrap_err().contains("8192"));
+    assert!(read("weight", number(1.5)).unwrap_err().contains("from 0 to 1"));
+    assert_eq!(read("color", ParamValue::Numbers(vec![0.1, 0.2, 1.0])).unwrap().color, [0.1, 0.2, 1.0]);
+    for color in [
+        ParamValue::Numbers(vec![0.1, 0.2]),
+        ParamValue::Numbers(vec![0.0, 0.0, 2.0]),
+        ParamValue::Text("red".into()),
+    ] {
+        assert!(read("color", color).unwrap_err().contains("a/b/c"));
+    }
+    assert!(read("receivers", number(1.0)).unwrap_err().contains("no option 'receivers'"));
+}
+
+#[test]
+fn a_saved_node_loads_back_the_same() {
+    let node = SoftShadow {
+        samples: 48,
+        radius_m: 0.25,
+        angle_deg: 1.5,
+        mode: PlanarMode::Texture,
+        resolution: 512,
+        weight: 0.75,
+        color: [0.25, 0.5, 1.0],
+    };
+    let scene = shadowed(node);
+    let folder = std::env::temp_dir().join(format!("shadowgraph-planar-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("planar.glb");
+    gltf::save(&scene, &path).unwrap();
+    let loaded = gltf::load(&path).unwrap().scene;
+    std::fs::remove_dir_all(&folder).unwrap();
+    let (_, shadow) = loaded.shadows().next().unwrap();
+    assert_eq!(SoftShadow::from_params(&shadow.params), Ok(node));
+    assert_eq!(shadow.receivers, Scope::Nodes(vec![find(&loaded, "floor")]));
+}
