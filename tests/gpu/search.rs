@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::broken::{Broken, Spoil};
-use shadowgraph::engine::plan::{Draw, Geometry};
 use shadowgraph::engine::shadow::{Catalog, TechniqueEntry};
+use shadowgraph::engine::shadow::{Draw, Geometry};
 use shadowgraph::measure::evaluate;
 use shadowgraph::prelude::*;
 use shadowgraph::search::{
