@@ -46,14 +46,14 @@ fn extraction(bencher: Bencher<'_, '_>, name: &str) {
     let posed = scene.pose().unwrap();
     let registry = Registry::collect(&posed, &shadowgraph::nodes::catalog()).unwrap();
     let request = FrameRequest::new(camera, [1280, 720]);
-    let mut cache = Cache::new();
+    let cache = Cache::new();
     let mut turn = 0.0;
     bencher.bench_local(|| {
         let mut moved = posed.clone();
         turn += 1e-3;
         moved.lights.iter_mut().for_each(|light| light.position.x += turn);
         cache.begin_frame();
-        plan_frame(&moved, &registry, &request, &Adapter::imagined(), &mut cache).unwrap()
+        plan_frame(&moved, &registry, &request, &Adapter::imagined(), &cache).unwrap()
     });
 }
 
@@ -64,12 +64,12 @@ fn planning(bencher: Bencher<'_, '_>, name: &str) {
     let posed = scene.pose().unwrap();
     let registry = Registry::collect(&posed, &shadowgraph::nodes::catalog()).unwrap();
     let request = FrameRequest::new(camera, [1280, 720]);
-    let mut cache = Cache::new();
+    let cache = Cache::new();
     // The first frame extracts; that is timed by itself.
-    plan_frame(&posed, &registry, &request, &Adapter::imagined(), &mut cache).unwrap();
+    plan_frame(&posed, &registry, &request, &Adapter::imagined(), &cache).unwrap();
     bencher.bench_local(|| {
         cache.begin_frame();
-        plan_frame(&posed, &registry, &request, &Adapter::imagined(), &mut cache).unwrap()
+        plan_frame(&posed, &registry, &request, &Adapter::imagined(), &cache).unwrap()
     });
 }
 

@@ -150,7 +150,7 @@ fn plan_ms(posed: &Posed, registry: &Registry, request: &FrameRequest) -> Result
     let mut best_ms = f64::INFINITY;
     for _ in 0..5 {
         let start = Instant::now();
-        plan_frame(posed, registry, request, &Adapter::imagined(), &mut Cache::new())?;
+        plan_frame(posed, registry, request, &Adapter::imagined(), &Cache::new())?;
         best_ms = best_ms.min(start.elapsed().as_secs_f64() * 1e3);
     }
     Ok(best_ms)
@@ -167,11 +167,15 @@ fn drawn_px(posed: &Posed, plan: &FramePlan, request: &FrameRequest) -> f64 {
     };
     let mut area_px = 0.0;
     for draw in plan.passes_named("volumes of").flat_map(|pass| &pass.draws) {
-        let Geometry::Indexed { instance, indices, first, count, record } = draw.geometry else { continue };
+        let Geometry::Indexed { instance, indices, first, count, record, .. } = &draw.geometry else {
+            continue;
+        };
+        let (instance, indices, first, count, record) = (*instance, *indices, *first, *count, *record);
         let records: Vec<VolumeUniform> = draw
             .bindings
             .iter()
-            .flat_map(|(_, binding)| bytemuck::pod_collect_to_vec(words(binding.slot())))
+            .filter_map(|(_, binding)| binding.resource())
+            .flat_map(|slot| bytemuck::pod_collect_to_vec(words(slot)))
             .collect();
         let record = records[record as usize];
         let instance = &posed.instances[instance as usize];

@@ -6,8 +6,9 @@
 pub mod geometry;
 pub mod gltf;
 pub mod gpu;
-pub mod manager;
 pub mod math;
 pub mod plan;
+pub mod render;
+pub use render as manager;
 pub mod scene;
 pub mod shadow;

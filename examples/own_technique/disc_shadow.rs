@@ -18,12 +18,11 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use shadowgraph::engine::plan::{
-    Binding, BufferUsage, CompareFunction, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader,
-};
+use shadowgraph::engine::plan::{BufferDesc, CompareFunction, DrawState, MULTIPLY, Shader};
 use shadowgraph::engine::scene::{Instance, Params};
 use shadowgraph::engine::shadow::{
-    Channels, LightPlan, Options, Setting, ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
+    Binding, Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, Options, Pass, PassList,
+    Setting, ShadowError, ShadowTechnique, TechniqueEntry, Traits, hash_of,
 };
 
 use super::disc::{Disc, NoDisc};
@@ -91,17 +90,14 @@ pub(crate) fn layouts() -> [(&'static str, shadowgraph::engine::gpu::Layout); 2]
 }
 
 impl ShadowTechnique for DiscShadow {
-    fn type_name(&self) -> &'static str {
-        Self::TYPE_NAME
-    }
-
     fn params(&self) -> Params {
         self.to_params()
     }
 
-    fn known_error(&self) -> &'static str {
-        "the receiver is rebuilt from f32 depth and the rim is a circle: pixels within one pixel of the shadow's edge, \
-         and receivers closer to a disc than 8 millionths of their distance to the eye, may be wrong"
+    fn traits(&self) -> Traits {
+        let known_error = "the receiver is rebuilt from f32 depth and the rim is a circle: pixels within one pixel of the shadow's edge, \
+         and receivers closer to a disc than 8 millionths of their distance to the eye, may be wrong";
+        Traits { known_error, ..Traits::default() }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
@@ -114,60 +110,50 @@ impl ShadowTechnique for DiscShadow {
         Disc::of(instance).map(|_| true).map_err(|reason| reason.to_string())
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        let records = self.records(light)?;
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
+        let records = self.records(light, out)?;
         // A light that no disc can matter for keeps its factor, and the frame its bytes.
         if records.is_empty() {
-            return Ok(());
+            return Ok(Contribution::default());
         }
         let name = light.light().name.clone();
         let count = records.len();
         let contents = contents(light, &records);
-        let casters = light.buffer(
+        let casters = out.buffer(BufferDesc::storage(
             &format!("discs of {name}"),
-            BufferUsage::Storage,
             hash_of((Self::TYPE_NAME, &contents)),
             Arc::new(contents),
             "the light and its discs, as the eye sees them",
-        );
-        let source = shadowgraph::shaders::compose(Self::TYPE_NAME, SHADER, &[])
-            .map_err(|error| light.unsupported(error.to_string()))?;
-        let shader = Shader {
-            name: Self::TYPE_NAME.into(),
-            source: source.into(),
-            vertex: "fullscreen_vertex".into(),
-            fragment: Some("visibility".into()),
-        };
-        let receiver_depth = light.receiver_depth();
-        let target = light.multiply_visibility(Channels::One);
-        light.pass(Pass {
+        ));
+        let shader = Shader::written(Self::TYPE_NAME, SHADER, &[], "fullscreen_vertex", Some("visibility"))?;
+        let state = DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]);
+        let discs = Draw::new("discs", Geometry::fullscreen(shader), state);
+        let bindings = vec![(0, Binding::Storage(casters)), (1, Binding::Texture(out.receiver_depth()))];
+        out.pass(Pass {
             name: format!("discs of {name}"),
             reason: format!("{count} discs between {name} and what is in view, asked at every pixel"),
-            colors: vec![target],
+            colors: vec![ColorTarget::VISIBILITY],
             depth: None,
-            draws: vec![Draw {
-                name: "discs".into(),
-                shader: Some(shader),
-                state: DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]),
-                geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-                bindings: vec![(0, Binding::Storage(casters)), (1, Binding::Texture(receiver_depth))],
-                scissor_px: None,
-            }],
+            draws: vec![discs.reading(bindings)],
         });
-        Ok(())
+        Ok(Contribution::visibility(Channels::One))
     }
 }
 
 impl DiscShadow {
     /// The discs that can matter, in view space. Computed in f64 and rounded once, since f32 world coordinates would
     /// cost precision far from the world's origin.
-    fn records(&self, light: &mut LightPlan<'_>) -> Result<Vec<DiscRecord>, ShadowError> {
+    fn records(
+        &self,
+        light: &LightContext<'_>,
+        out: &mut PassList<'_>,
+    ) -> Result<Vec<DiscRecord>, ShadowError> {
         let view_from_world = light.view.camera.world_from_view.inverse();
         let mut records = Vec::new();
         for (_, instance) in light.casters() {
             let reach = instance.world_bounds.expanded(0.5 * self.edge_m);
             if let Err(reason) = light.may_shadow(&reach) {
-                light.note(format!("disc '{}' for '{}': {reason}", instance.name, light.light().name));
+                out.note(format!("disc '{}' for '{}': {reason}", instance.name, light.light().name));
                 continue;
             }
             let disc: Arc<Result<Disc, NoDisc>> =
@@ -188,7 +174,7 @@ impl DiscShadow {
 }
 
 /// The bytes of `Casters` in disc_shadow.wgsl.
-fn contents(light: &LightPlan<'_>, records: &[DiscRecord]) -> Vec<u8> {
+fn contents(light: &LightContext<'_>, records: &[DiscRecord]) -> Vec<u8> {
     let view_from_world = light.view.camera.world_from_view.inverse();
     let position = light.light().position;
     let in_view = view_from_world.matrix3 * position.truncate() + view_from_world.translation * position.w;

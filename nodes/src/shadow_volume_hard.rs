@@ -36,10 +36,10 @@ use std::sync::Arc;
 
 use shadowgraph_engine::geometry::{capped, doubled};
 use shadowgraph_engine::math::Aabb;
-use shadowgraph_engine::plan::{ColorTarget, DepthTarget, Draw, Pass};
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
-    Features, LightPlan, Options, Requirements, ShadowError, ShadowTechnique, hash_of,
+    Apply, ColorTarget, Contribution, DepthTarget, Draw, Features, LightContext, Options, Pass, PassList,
+    ShadowError, ShadowTechnique, Traits, hash_of,
 };
 
 use crate::common::culling::{near_plane_may_be_shadowed, shows_its_inside};
@@ -47,7 +47,7 @@ use crate::common::extrusion::{End, end_beyond, end_plane};
 use crate::common::layer_groups::{Caster, MAX_COUNT, group_by_layers};
 use crate::common::masked;
 use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
-use crate::common::volume_draws::{Volume, falls_on_itself, upload};
+use crate::common::volume_draws::{Volume, begin_of, falls_on_itself, upload};
 use draws::{Counter, Fold, counting_draws, fold_pass};
 pub(crate) use float_counts::Layers;
 use float_counts::count_in_float;
@@ -76,16 +76,12 @@ macro_rules! one_darkening {
 }
 
 impl ShadowTechnique for ShadowVolumeHard {
-    fn type_name(&self) -> &'static str {
-        Self::TYPE_NAME
-    }
-
     fn params(&self) -> Params {
         self.to_params()
     }
 
-    fn known_error(&self) -> &'static str {
-        match (self.passes, self.closure) {
+    fn traits(&self) -> Traits {
+        let known_error = match (self.passes, self.closure) {
             (Passes::Multi, Closure::None | Closure::Backfaces) => rounding!(),
             (Passes::Multi, Closure::Cap) => concat!(caps!(), "; and ", rounding!()),
             (Passes::Single, Closure::None | Closure::Backfaces) => {
@@ -94,76 +90,68 @@ impl ShadowTechnique for ShadowVolumeHard {
             (Passes::Single, Closure::Cap) => {
                 concat!(one_darkening!(), "; and ", caps!(), "; and ", rounding!())
             }
-        }
-    }
-
-    fn requirements(&self) -> Requirements {
-        match self.counter {
-            CounterKind::Auto | CounterKind::Stencil8 => Requirements {
-                required: Features::DEPTH32FLOAT_STENCIL8,
-                optional: Features::DEPTH_CLIP_CONTROL,
-            },
-            CounterKind::Float => Requirements {
-                required: Features::empty(),
-                optional: Features::DEPTH_CLIP_CONTROL | Features::FLOAT32_BLENDABLE,
-            },
-        }
+        };
+        Traits { known_error, ..Traits::default() }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
         Ok(instance.materials.iter().any(|material| material.casts_whole() || material.casts_by_texel()))
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        self.cast_masks(light)?;
-        let volumes = self.volumes(light, Reach::Shadow)?;
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
+        let apply = match self.passes {
+            Passes::Single => Apply::DarkenOnce { weight: self.weight },
+            Passes::Multi => Apply::default(),
+        };
+        let masks = self.cast_masks(light, out)?;
+        let Volumes { volumes, smooth_terminators } = self.volumes(light, out, Reach::Shadow)?;
         if volumes.is_empty() {
-            return Ok(());
+            return Ok(Contribution { smooth_terminators, ..masks });
         }
-        if self.passes == Passes::Single {
-            light.darken_once(self.weight)?;
-        }
-        match self.counter {
-            CounterKind::Auto | CounterKind::Stencil8 => count_in_stencil(light, &volumes),
-            CounterKind::Float => count_in_float(light, &volumes)?,
-        }
-        Ok(())
+        let counts = match self.counter {
+            CounterKind::Auto | CounterKind::Stencil8 => count_in_stencil(light, out, &volumes, apply)?,
+            CounterKind::Float => count_in_float(light, out, &volumes)?,
+        };
+        Ok(Contribution { apply, smooth_terminators, ..masks.and(counts) })
     }
 }
 
 /// Counts in the stencil, in as many groups as it takes.
-fn count_in_stencil(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) {
+fn count_in_stencil(
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
+    volumes: &[Volume<'_>],
+    apply: Apply,
+) -> Result<Contribution, ShadowError> {
+    light.require(Features::DEPTH32FLOAT_STENCIL8, "counting in the stencil")?;
     let casters: Vec<Caster<'_>> = volumes.iter().map(|volume| volume.caster.clone()).collect();
-    let groups = group_by_layers(light, &casters);
+    let groups = group_by_layers(light, out, &casters, apply);
     let bound = if groups.folds { MAX_COUNT } else { groups.bound };
-    let (depth, before) = light.count_in_stencil(bound);
-    let buffers = upload(light, volumes, &groups.groups, Weights::Repeated);
+    let buffers = upload(light, out, volumes, &groups.groups, Weights::Repeated);
     let mut first_record = 0;
     for (index, group) in groups.groups.iter().enumerate() {
         let folds: &[Fold] = match (groups.folds, index) {
-            (true, 0) if before > 0 => &[Fold::Large, Fold::Lit, Fold::Dark],
+            (true, 0) if light.counts_before(apply) > 0 => &[Fold::Large, Fold::Lit, Fold::Dark],
             (true, 1..) => &[Fold::Lit, Fold::Dark],
             _ => &[],
         };
         if !folds.is_empty() {
-            light.pass(fold_pass(light, &depth, folds));
+            out.pass(fold_pass(light, folds)?);
         }
         let counter = if groups.folds { Counter::InGroups } else { Counter::AllBits };
-        let draws = group
-            .iter()
-            .enumerate()
-            .flat_map(|(place, member)| {
-                counting_draws(&volumes[member.caster], first_record + place as u32, &buffers, counter)
-            })
-            .collect();
+        let draws = group.iter().zip(first_record..);
+        let draws = draws
+            .map(|(member, record)| counting_draws(&volumes[member.caster], record, &buffers, counter))
+            .collect::<Result<Vec<_>, _>>()?;
         first_record += group.len() as u32;
-        light.pass(volumes_pass(light, group.len(), vec![], depth.clone(), draws));
+        out.pass(volumes_pass(light, group.len(), vec![], DepthTarget::COUNT, draws.concat()));
     }
+    Ok(Contribution::counts(bound))
 }
 
 /// The pass that counts `casters` casters.
 fn volumes_pass(
-    light: &LightPlan<'_>,
+    light: &LightContext<'_>,
     casters: usize,
     colors: Vec<ColorTarget>,
     depth: DepthTarget,
@@ -188,11 +176,23 @@ enum Reach {
     BeyondShadow,
 }
 
+/// The volumes of a light's casters.
+struct Volumes<'a> {
+    volumes: Vec<Volume<'a>>,
+    /// The casters whose terminators are left to the shading.
+    smooth_terminators: Vec<usize>,
+}
+
 impl ShadowVolumeHard {
     /// The volumes of all casters that can matter, with mode, depth test and end chosen.
-    fn volumes<'a>(&self, light: &mut LightPlan<'a>, reach: Reach) -> Result<Vec<Volume<'a>>, ShadowError> {
+    fn volumes<'a>(
+        &self,
+        light: &LightContext<'a>,
+        out: &mut PassList<'_>,
+        reach: Reach,
+    ) -> Result<Volumes<'a>, ShadowError> {
         let (position, view) = (light.light().position, light.view);
-        let mut volumes = Vec::new();
+        let (mut volumes, mut smooth_terminators) = (Vec::new(), Vec::new());
         let (mut left_out, mut keep_terminator) = (Vec::new(), Vec::new());
         for (index, instance) in light.casters() {
             let whole: Vec<bool> = instance.materials.iter().map(|material| material.casts_whole()).collect();
@@ -211,7 +211,8 @@ impl ShadowVolumeHard {
                 } else if light.has_size() {
                     // What is turned away from the light's centre is then not dark for that, and solids are to shadow it.
                     keep_terminator.push((instance, LIGHT_HAS_SIZE));
-                } else if light.smooth_terminator(index) {
+                } else if light.can_smooth_terminators() {
+                    smooth_terminators.push(index);
                     half = Half::Unlit;
                 } else {
                     keep_terminator.push((instance, TOO_MANY_LIGHTS));
@@ -238,6 +239,7 @@ impl ShadowVolumeHard {
             volumes.push(Volume {
                 hidden_caps_count: single_sided && !hides_itself,
                 falls_on_itself: falls_on_itself(light),
+                begin: begin_of(light, half),
                 caster: Caster { index, instance, shape, key, facing },
                 z_fail,
                 end: self.end(light, instance)?,
@@ -246,20 +248,24 @@ impl ShadowVolumeHard {
                 half,
             });
         }
-        note_left_out(light, &left_out);
-        note_left_out(light, &keep_terminator);
-        Ok(volumes)
+        note_left_out(light, out, &left_out);
+        note_left_out(light, out, &keep_terminator);
+        Ok(Volumes { volumes, smooth_terminators })
     }
 
     /// Casts the masked parts of all casters, if one of them can matter: what the light sees of them is then kept
     /// however the eye turns.
-    fn cast_masks(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+    fn cast_masks(
+        &self,
+        light: &LightContext<'_>,
+        out: &mut PassList<'_>,
+    ) -> Result<Contribution, ShadowError> {
         let has_masks =
             |instance: &Instance| instance.materials.iter().any(|material| material.casts_by_texel());
         let masked: Vec<&Instance> =
             light.casters().map(|(_, instance)| instance).filter(|instance| has_masks(instance)).collect();
         let mut matter = masked.iter().filter(|instance| light.may_shadow(&instance.world_bounds).is_ok());
-        let Some(first) = matter.next() else { return Ok(()) };
+        let Some(first) = matter.next() else { return Ok(Contribution::default()) };
         let refusal = match (self.geometry, self.passes) {
             (GeometryMode::Closed, _) => {
                 "geometry=closed, but '{}' has masked parts (accepted for it: auto, open)"
@@ -267,10 +273,7 @@ impl ShadowVolumeHard {
             (_, Passes::Single) => {
                 "passes=single, but '{}' has masked parts, which are no counts (accepted for it: multi)"
             }
-            _ => {
-                masked::cast(light, &masked);
-                return Ok(());
-            }
+            _ => return masked::cast(light, out, &masked),
         };
         Err(light.unsupported(refusal.replace("{}", &first.name)))
     }
@@ -278,7 +281,7 @@ impl ShadowVolumeHard {
     /// The triangles the caster casts with: its own, and those that close it where it is open.
     pub(crate) fn cast_shape<'a>(
         &self,
-        light: &mut LightPlan<'a>,
+        light: &LightContext<'a>,
         instance: &'a Instance,
     ) -> Result<CastShape<'a>, ShadowError> {
         let mesh = &instance.mesh;
@@ -307,7 +310,7 @@ impl ShadowVolumeHard {
     /// Which of its triangles the caster casts with.
     fn half(
         &self,
-        light: &LightPlan<'_>,
+        light: &LightContext<'_>,
         instance: &Instance,
         shape: &CastShape<'_>,
     ) -> Result<Half, ShadowError> {
@@ -356,7 +359,11 @@ impl ShadowVolumeHard {
     }
 
     /// Whether the caster is counted by z-fail.
-    fn counts_from_infinity(&self, light: &LightPlan<'_>, instance: &Instance) -> Result<bool, ShadowError> {
+    fn counts_from_infinity(
+        &self,
+        light: &LightContext<'_>,
+        instance: &Instance,
+    ) -> Result<bool, ShadowError> {
         if self.depth_test == DepthTest::ZFail {
             return Ok(true);
         }
@@ -371,7 +378,7 @@ impl ShadowVolumeHard {
         Ok(needed)
     }
 
-    fn end(&self, light: &LightPlan<'_>, instance: &Instance) -> Result<End, ShadowError> {
+    fn end(&self, light: &LightContext<'_>, instance: &Instance) -> Result<End, ShadowError> {
         let position = light.light().position;
         let plane = match self.extrusion {
             Extrusion::Infinite => None,
@@ -397,7 +404,11 @@ const TOO_MANY_LIGHTS: &str =
     "terminator=smooth leaves it as it is: only the first 32 lights of a scene can have smooth terminators";
 
 /// One note for each reason, not for each caster.
-pub(crate) fn note_left_out(light: &mut LightPlan<'_>, left_out: &[(&Instance, &'static str)]) {
+pub(crate) fn note_left_out(
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
+    left_out: &[(&Instance, &'static str)],
+) {
     let mut reasons: Vec<&str> = left_out.iter().map(|(_, reason)| *reason).collect();
     reasons.sort_unstable();
     reasons.dedup();
@@ -406,6 +417,6 @@ pub(crate) fn note_left_out(light: &mut LightPlan<'_>, left_out: &[(&Instance, &
             left_out.iter().filter(|(_, r)| *r == reason).map(|(i, _)| i.name.as_str()).collect();
         let more = if names.len() > 3 { format!(" and {} more", names.len() - 3) } else { String::new() };
         let shown = names.iter().take(3).map(|name| format!("'{name}'")).collect::<Vec<_>>().join(", ");
-        light.note(format!("casters of '{}' {shown}{more}: {reason}", light.light().name));
+        out.note(format!("casters of '{}' {shown}{more}: {reason}", light.light().name));
     }
 }

@@ -1,6 +1,6 @@
 //! `ShadowVolumeSoft`: soft shadows of any triangles, from spheres and discs of light.
 //!
-//! *The idea.* From a receiver's point p the light is a disc ([`LightSize::disc`]), and its factor is the part of the disc
+//! *The idea.* From a receiver's point p the light is a disc ([`LightSize::disc`](shadowgraph_engine::shadow::LightSize::disc)), and its factor is the part of the disc
 //! that no triangle hides. What hides it is bounded by silhouette edges: where a point of the disc moves across the image
 //! of one, the number of triangles before it changes by the edge's weight. So the number at the light's centre and the
 //! edges that cross the disc say all.
@@ -37,23 +37,21 @@ mod stretched;
 mod wedge;
 
 use shadowgraph_engine::scene::{Instance, Params};
-use shadowgraph_engine::shadow::{LightPlan, LightSize, Options, ShadowError, ShadowTechnique};
+use shadowgraph_engine::shadow::{
+    self as shadow, Contribution, LightContext, Options, PassList, ShadowError, ShadowTechnique, Traits,
+};
 
 pub use gather::layouts;
 pub use options::{Apply, Quality, ShadowVolumeSoft};
 pub use wedge::layouts as wedge_layouts;
 
 impl ShadowTechnique for ShadowVolumeSoft {
-    fn type_name(&self) -> &'static str {
-        Self::TYPE_NAME
-    }
-
     fn params(&self) -> Params {
         self.to_params()
     }
 
-    fn known_error(&self) -> &'static str {
-        match self.quality {
+    fn traits(&self) -> Traits {
+        let known_error = match self.quality {
             Quality::Sampled => {
                 "the light is its samples: at most 0.5/sqrt(samples) off its whole disc; and pixels in which a sample is \
                  blocked or not within 1/256 pixel"
@@ -66,34 +64,27 @@ impl ShadowTechnique for ShadowVolumeSoft {
                 "silhouettes are those of the light's centre, areas add up, and along hard shadow edges single pixels are a \
                  layer off, as published in 2003"
             }
-        }
-    }
-
-    fn light_size(&self) -> LightSize {
-        self.size()
-    }
-
-    fn light_sample_count(&self) -> Option<u32> {
-        (self.quality == Quality::Sampled).then_some(self.samples)
+        };
+        let light_samples = (self.quality == Quality::Sampled).then_some(self.samples);
+        Traits { known_error, light_size: self.size(), light_samples, ..Traits::default() }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
         Ok(instance.materials.iter().any(|material| material.casts_whole() || material.casts_by_texel()))
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        match self.apply {
-            Apply::PerPixel if self.weight == 1.0 => {}
-            Apply::PerPixel => light.tint(self.weight, [0.0; 3]),
-            Apply::Darken => light.darken_picture(self.weight, [0.0; 3]),
-        }
-        if !self.size().is_wide(light.light().position) {
-            return self.hard().plan(light);
-        }
-        match self.quality {
-            Quality::Sampled => self.plan_sampled(light),
-            Quality::PerReceiver => self.plan_per_receiver(light),
-            Quality::Wedge => self.plan_wedges(light),
-        }
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
+        let (weight, color) = (self.weight, [0.0; 3]);
+        let apply = match self.apply {
+            Apply::PerPixel => shadow::Apply::Light { weight, color },
+            Apply::Darken => shadow::Apply::DarkenPicture { weight, color },
+        };
+        let left = match self.quality {
+            _ if !self.size().is_wide(light.light().position) => self.hard().plan(light, out)?,
+            Quality::Sampled => self.plan_sampled(light, out)?,
+            Quality::PerReceiver => self.plan_per_receiver(light, out)?,
+            Quality::Wedge => self.plan_wedges(light, out)?,
+        };
+        Ok(Contribution { apply, ..left })
     }
 }

@@ -37,10 +37,13 @@ mod receivers;
 
 use shadowgraph_engine::math::POSITION_EPSILON;
 use shadowgraph_engine::scene::{Instance, Params};
-use shadowgraph_engine::shadow::{LightPlan, LightSize, Options, ShadowError, ShadowTechnique, hash_of};
+use shadowgraph_engine::shadow::{
+    Apply, Channels, Contribution, LightContext, LightSize, Options, PassList, ShadowError, ShadowTechnique,
+    Traits, hash_of,
+};
 
 use crate::common::beside_light::distance_to_triangle;
-use canvas::Canvas;
+use canvas::{Canvas, Targets};
 pub use canvas::{PlanarLight, PlanarTexture, planar_layouts};
 use casters::Casters;
 pub use casters::MaskedCorner;
@@ -53,52 +56,48 @@ use receivers::{Receiver, height_of};
 const POINTS_OF_A_LAYER: usize = 32;
 
 impl ShadowTechnique for SoftShadow {
-    fn type_name(&self) -> &'static str {
-        Self::TYPE_NAME
-    }
-
     fn params(&self) -> Params {
         self.to_params()
     }
 
-    fn known_error(&self) -> &'static str {
-        "a light is as many points as there are samples: steps in penumbrae, by about 0.4 samples^-0.8; casters \
-         within a light's own sphere, which hide some points that they should not and the other way round; and \
-         rasterisation: pixels whose centre is within 1/256 pixel of a point's shadow edge"
-    }
-
-    fn light_size(&self) -> LightSize {
-        LightSize::new(self.radius_m, self.angle_deg)
+    fn traits(&self) -> Traits {
+        Traits {
+            known_error: "a light is as many points as there are samples: steps in penumbrae, by about 0.4 \
+                          samples^-0.8; casters within a light's own sphere, which hide some points that they should not \
+                          and the other way round; and rasterisation: pixels whose centre is within 1/256 pixel of a \
+                          point's shadow edge",
+            light_size: self.light_size(),
+            shades_receivers_only: true,
+            ..Traits::default()
+        }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
         Ok(instance.materials.iter().any(|material| material.casts_whole() || material.casts_by_texel()))
     }
 
-    fn shades_receivers_only(&self) -> bool {
-        true
-    }
-
     fn receives(&self, instance: &Instance) -> Result<(), String> {
         Flat::of(instance).map(|_| ()).map_err(|reason| reason.to_string())
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
         self.refuse_lamps_beside_casters(light)?;
-        light.tint(self.weight, self.color);
-        let receivers = Receiver::all(light)?;
+        let receivers = Receiver::all(light, out)?;
         let lit: Vec<Lit> = receivers.iter().map(|receiver| Lit::new(self, light, receiver)).collect();
         // Turned to the light or away from it as a whole, a receiver's own shadow is the engine's to know.
         let cut = lit.iter().any(|lit| lit.is_cut());
-        if cut {
-            light.decides_own_shadow();
-        }
+        let (mut in_picture, mut shades) = (None, false);
         for (receiver, lit) in receivers.iter().zip(&lit) {
             if cut || !lit.is_dark() {
-                self.shade(light, receiver, lit);
+                shades |= self.shade(light, out, (receiver, lit), &mut in_picture)?;
             }
         }
-        Ok(())
+        Ok(Contribution {
+            visibility: shades.then_some(Channels::One),
+            own_shadow: cut,
+            apply: Apply::Light { weight: self.weight, color: self.color },
+            ..Contribution::default()
+        })
     }
 }
 
@@ -109,7 +108,7 @@ struct Lit {
 }
 
 impl Lit {
-    fn new(options: &SoftShadow, light: &mut LightPlan<'_>, receiver: &Receiver) -> Self {
+    fn new(options: &SoftShadow, light: &LightContext<'_>, receiver: &Receiver) -> Self {
         let posed = light.light();
         let plane = &receiver.flat.plane;
         let height_m = height_of(plane, posed.position).abs();
@@ -137,8 +136,12 @@ impl Lit {
 const BESIDE: f64 = 1e-4;
 
 impl SoftShadow {
+    fn light_size(&self) -> LightSize {
+        LightSize::new(self.radius_m, self.angle_deg)
+    }
+
     /// Refuses what a projection cannot tell.
-    fn refuse_lamps_beside_casters(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+    fn refuse_lamps_beside_casters(&self, light: &LightContext<'_>) -> Result<(), ShadowError> {
         let position = light.light().position;
         if position.w == 0.0 || self.light_size().is_wide(position) {
             return Ok(());
@@ -170,21 +173,33 @@ impl SoftShadow {
         Ok(())
     }
 
-    /// The shadow on one plane.
-    fn shade(&self, light: &mut LightPlan<'_>, receiver: &Receiver, lit: &Lit) {
+    /// The shadow on one plane; false where there is none. What is drawn in the picture shares its targets.
+    fn shade(
+        &self,
+        light: &LightContext<'_>,
+        out: &mut PassList<'_>,
+        (receiver, lit): (&Receiver, &Lit),
+        shared: &mut Option<Targets>,
+    ) -> Result<bool, ShadowError> {
         // Of what is dark as a whole there is nothing to keep.
         let in_picture = self.mode == PlanarMode::Direct || lit.is_dark();
-        let casters = Casters::of(light, receiver, &lit.points, in_picture);
+        let casters = Casters::of(light, out, receiver, &lit.points, in_picture);
         if casters.batches.is_empty() && lit.heights.iter().all(|height| *height > 0.0) {
-            return;
+            return Ok(false);
         }
+        let what = (receiver, lit, &casters);
         if in_picture {
             let canvas = Canvas::picture(light);
-            let bits = draws::mark(light, &canvas, (receiver, lit, &casters));
-            draws::weigh(light, &canvas, receiver, lit, bits);
+            let targets = *shared.get_or_insert_with(|| canvas.targets(out, lit.heights.len()));
+            draws::mark(light, out, (&canvas, targets), what)?;
+            draws::weigh(light, out, &canvas, (receiver, lit), targets.bits)?;
         } else if let Some(canvas) = Canvas::texture(light, receiver, lit, &casters, self.resolution) {
-            let bits = draws::mark(light, &canvas, (receiver, lit, &casters));
-            draws::weigh_texture(light, &canvas, receiver, lit, bits);
+            let targets = canvas.targets(out, lit.heights.len());
+            draws::mark(light, out, (&canvas, targets), what)?;
+            draws::weigh_texture(light, out, &canvas, (receiver, lit), targets.bits)?;
+        } else {
+            return Ok(false);
         }
+        Ok(true)
     }
 }

@@ -29,12 +29,11 @@ mod sums;
 
 use glam::{DVec3, DVec4};
 use shadowgraph_engine::geometry::{CastTriangles, GroupMember, max_layers};
-use shadowgraph_engine::plan::{
-    Binding, BlendState, CompareFunction, Draw, DrawState, Geometry, Load, MULTIPLY, Pass, Shader,
-};
+use shadowgraph_engine::plan::{BlendState, CompareFunction, DrawState, MULTIPLY, Shader, ShaderError};
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
-    Channels, Features, Layers, LightPlan, Options, Requirements, ShadowError, ShadowTechnique, hash_of,
+    Binding, Channels, ColorTarget, Contribution, Draw, Features, Geometry, Layers, LightContext, Options,
+    Pass, PassList, ShadowError, ShadowTechnique, Traits, hash_of,
 };
 
 use crate::ShadowVolumeHard;
@@ -44,20 +43,16 @@ use crate::common::layer_groups::Caster;
 use crate::common::listed::Layout;
 use crate::common::screen_bounds::{united, volume_pixels};
 use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
-use crate::common::volume_draws::{Volume, falls_on_itself, float_state, upload, volume_draws};
+use crate::common::volume_draws::{Volume, begin_of, falls_on_itself, float_state, upload, volume_draws};
 pub use options::{Accumulate, SelfShadow, TransparentShadow};
 
 impl ShadowTechnique for TransparentShadow {
-    fn type_name(&self) -> &'static str {
-        Self::TYPE_NAME
-    }
-
     fn params(&self) -> Params {
         self.to_params()
     }
 
-    fn known_error(&self) -> &'static str {
-        match self.accumulate {
+    fn traits(&self) -> Traits {
+        let known_error = match self.accumulate {
             Accumulate::Counts => {
                 "rounding to half floats; and rasterisation: pixels whose centre is within 1/256 pixel of a shadow edge"
             }
@@ -79,43 +74,29 @@ impl ShadowTechnique for TransparentShadow {
             Accumulate::Product32 => {
                 "32-bit products do not quite cancel, and may leave the range of floats behind many dark surfaces"
             }
-        }
-    }
-
-    fn requirements(&self) -> Requirements {
-        Requirements {
-            required: Features::DEPTH32FLOAT_STENCIL8,
-            optional: Features::DEPTH_CLIP_CONTROL | Features::FLOAT32_BLENDABLE,
-        }
-    }
-
-    fn casts_transparent(&self) -> bool {
-        true
-    }
-
-    fn receiver_layers(&self) -> Layers {
-        match self.self_shadow {
+        };
+        let receiver_layers = match self.self_shadow {
             SelfShadow::Full => Layers::All,
             SelfShadow::Partial => Layers::First,
             SelfShadow::None => Layers::OpaqueOnly,
-        }
+        };
+        Traits { known_error, casts_transparent: true, receiver_layers, ..Traits::default() }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
         Ok(instance.materials.iter().any(|material| !material.unlit))
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
         // What is opaque or masked casts black.
-        ShadowVolumeHard::default().plan(light)?;
-        let glass = tinted_volumes(light)?;
-        match self.accumulate {
-            _ if glass.is_empty() => {}
-            Accumulate::Counts => classes::count(light, &glass)?,
-            sum => sums::add_up(light, &glass, sum)?,
-        }
-        cast_panes(light);
-        Ok(())
+        let black = ShadowVolumeHard::default().plan(light, out)?;
+        let glass = tinted_volumes(light, out)?;
+        let glass = match self.accumulate {
+            _ if glass.is_empty() => Contribution::default(),
+            Accumulate::Counts => classes::count(light, out, &glass)?,
+            sum => sums::add_up(light, out, &glass, sum)?,
+        };
+        Ok(black.and(glass).and(cast_panes(light, out)?))
     }
 }
 
@@ -127,7 +108,10 @@ struct Tinted<'a> {
 }
 
 /// The volumes of all evenly tinted parts that can matter, with depth test and end chosen.
-fn tinted_volumes<'a>(light: &mut LightPlan<'a>) -> Result<Vec<Tinted<'a>>, ShadowError> {
+fn tinted_volumes<'a>(
+    light: &LightContext<'a>,
+    out: &mut PassList<'_>,
+) -> Result<Vec<Tinted<'a>>, ShadowError> {
     let (position, view) = (light.light().position, light.view);
     let mut tinted = Vec::new();
     for (index, instance) in light.casters() {
@@ -143,11 +127,7 @@ fn tinted_volumes<'a>(light: &mut LightPlan<'a>) -> Result<Vec<Tinted<'a>>, Shad
             continue;
         }
         if let Err(reason) = light.may_shadow(&instance.world_bounds) {
-            light.note(format!(
-                "transparent caster of '{}' '{}': {reason}",
-                light.light().name,
-                instance.name
-            ));
+            out.note(format!("transparent caster of '{}' '{}': {reason}", light.light().name, instance.name));
             continue;
         }
         let z_fail = near_plane_may_be_shadowed(&view.frustum, position, &instance.world_bounds);
@@ -171,6 +151,7 @@ fn tinted_volumes<'a>(light: &mut LightPlan<'a>) -> Result<Vec<Tinted<'a>>, Shad
                 z_fail,
                 hidden_caps_count: true,
                 falls_on_itself: falls_on_itself(light),
+                begin: begin_of(light, Half::Both),
                 end: end_in_view(view, position, &instance.world_bounds),
                 clamp_depth: z_fail && !perspective,
                 directional: position.w == 0.0,
@@ -184,13 +165,14 @@ fn tinted_volumes<'a>(light: &mut LightPlan<'a>) -> Result<Vec<Tinted<'a>>, Shad
 
 /// Casts the parts that are not evenly tinted, if one of their casters can matter: what the light sees of them is then kept
 /// however the eye turns.
-fn cast_panes(light: &mut LightPlan<'_>) {
+fn cast_panes(light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
     let parts_of = |instance| uneven_parts(instance).map(move |part| (instance, part));
     let parts: Vec<(&Instance, usize)> =
         light.casters().flat_map(|(_, instance)| parts_of(instance)).collect();
     if parts.iter().any(|(instance, _)| light.may_shadow(&instance.world_bounds).is_ok()) {
-        panes::cast(light, &parts);
+        return panes::cast(light, out, &parts);
     }
+    Ok(Contribution::default())
 }
 
 /// The transparent parts of which not every surface lets the same pass.
@@ -227,22 +209,20 @@ fn color_of(instance: &Instance, part: usize) -> Option<DVec4> {
     Some(material.base_color.as_dvec4() * color)
 }
 
-/// A shader of this technique's own; its text is checked by a test, so composing it cannot fail.
-fn shader(flags: &[&str], vertex: &'static str, fragment: &'static str) -> Shader {
-    let source = shadowgraph_shaders::compose_named("transparent_shadow", flags).unwrap_or_default();
-    Shader {
-        name: [&["transparent_shadow"], flags].concat().join(" ").into(),
-        source: source.into(),
-        vertex: vertex.into(),
-        fragment: Some(fragment.into()),
-    }
+/// A shader of this technique's own.
+fn shader(flags: &[&str], vertex: &'static str, fragment: &'static str) -> Result<Shader, ShaderError> {
+    Shader::composed("transparent_shadow", flags, vertex, Some(fragment))
 }
 
 /// The draws of all volumes, apart, as sums of whole numbers: every channel of the blend constant is what one face counts.
-fn counting_draws(light: &mut LightPlan<'_>, glass: &[Tinted<'_>]) -> Vec<Vec<Draw>> {
+fn counting_draws(
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
+    glass: &[Tinted<'_>],
+) -> Result<Vec<Vec<Draw>>, ShaderError> {
     let volumes: Vec<Volume<'_>> = glass.iter().map(|tinted| tinted.volume.clone()).collect();
     let everything: Vec<GroupMember> = (0..volumes.len()).map(GroupMember::whole).collect();
-    let buffers = upload(light, &volumes, &[everything], Weights::Apart);
+    let buffers = upload(light, out, &volumes, &[everything], Weights::Apart);
     let draws = |(volume, record): (&Volume<'_>, u32)| {
         volume_draws(volume, record, &buffers, |how, flags| {
             let fragment = match how.front_faces() {
@@ -250,7 +230,7 @@ fn counting_draws(light: &mut LightPlan<'_>, glass: &[Tinted<'_>]) -> Vec<Vec<Dr
                 Some(true) => "add_front",
                 Some(false) => "add_back",
             };
-            (shader(flags, "vertex", fragment), float_state(volume.z_fail, how))
+            Ok((shader(flags, "vertex", fragment)?, float_state(volume.z_fail, how)))
         })
     };
     volumes.iter().zip(0..).map(draws).collect()
@@ -262,7 +242,7 @@ fn weight_of(draws: &[Draw]) -> u64 {
 }
 
 /// A bound on the surfaces of `glass` between any point and the light. Kept until a caster or the light moves.
-fn layers_of(light: &mut LightPlan<'_>, glass: &[&Tinted<'_>]) -> u32 {
+fn layers_of(light: &LightContext<'_>, glass: &[&Tinted<'_>]) -> u32 {
     let (position, keys) = (light.light().position, glass.iter().map(|tinted| tinted.volume.caster.key));
     let key = hash_of(keys.collect::<Vec<u64>>());
     *light.cache.get_or_compute("glass layers", key, || {
@@ -275,38 +255,34 @@ fn layers_of(light: &mut LightPlan<'_>, glass: &[&Tinted<'_>]) -> u32 {
 
 /// The pass that multiplies the light's visibility by what the sums of `glass` say, with these shaders and what they read.
 fn transmit(
-    light: &mut LightPlan<'_>,
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
     glass: &[Tinted<'_>],
     draws: Vec<(Shader, Vec<(u32, Binding)>)>,
     reason: String,
-) {
+) -> Contribution {
     let (view, position) = (light.view, light.light().position);
     let pixels =
         |volume: &Volume<'_>| volume_pixels(view, position, &volume.caster.instance.world_bounds, volume.end);
     // Nothing in view: one pixel, since there is no empty scissor.
     let touched =
         glass.iter().map(|tinted| pixels(&tinted.volume)).fold(None, united).unwrap_or([0, 0, 1, 1]);
-    let target = light.multiply_visibility(Channels::Rgb);
-    let untouched = target.load != Load::Keep;
+    let untouched = !out.visibility_is_touched();
     let draw = |((shader, bindings), place): ((Shader, Vec<(u32, Binding)>), usize)| {
         // What nothing has darkened yet need not be read.
         let blend = if untouched && place == 0 { BlendState::REPLACE } else { MULTIPLY };
-        Draw {
-            name: "transmit".into(),
-            shader: Some(shader),
-            state: DrawState::new(CompareFunction::Always, vec![Some(blend)]),
-            geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-            bindings,
-            scissor_px: Some(touched),
-        }
+        let state = DrawState::new(CompareFunction::Always, vec![Some(blend)]);
+        let draw = Draw::new("transmit", Geometry::fullscreen(shader), state).reading(bindings);
+        Draw { scissor_px: Some(touched), ..draw }
     };
-    light.pass(Pass {
+    out.pass(Pass {
         name: format!("light through glass of {}", light.light().name),
         reason,
-        colors: vec![target],
+        colors: vec![ColorTarget::VISIBILITY],
         depth: None,
         draws: draws.into_iter().zip(0..).map(draw).collect(),
     });
+    Contribution::visibility(Channels::Rgb)
 }
 
 /// The structures of this technique's shaders as they are here, by module: what the layout test compares.

@@ -51,7 +51,7 @@ pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     print_animations(&scene);
     let planned = Registry::collect(&posed, &catalog()).map_err(RenderError::from).and_then(|registry| {
         let request = FrameRequest::new(camera.clone(), size);
-        let plan = plan_frame(&posed, &registry, &request, &Adapter::imagined(), &mut Cache::new())?;
+        let plan = plan_frame(&posed, &registry, &request, &Adapter::imagined(), &Cache::new())?;
         Ok((registry, plan))
     });
     let (registry, plan) = match planned {
@@ -153,21 +153,20 @@ fn print_lights(posed: &Posed, registry: &Registry) {
     out!("lights");
     print_some(posed.lights.iter().zip(&registry.lights).map(|(light, claims)| {
         let served = claims.iter().map(|claim| {
-            let technique = &claim.technique;
-            let changed = claim.label.strip_prefix(technique.type_name()).unwrap_or_default();
+            let changed = claim.label.strip_prefix(claim.type_name).unwrap_or_default();
             let casters = count(claim.casters.len(), "caster", "casters");
-            let onto = match technique.shades_receivers_only() {
+            let onto = match claim.technique.traits().shades_receivers_only {
                 true => format!(" onto {}", count(claim.receivers.len(), "receiver", "receivers")),
                 false => String::new(),
             };
-            format!("{}{changed} by {} for {casters}{onto}", technique.type_name(), quoted(&claim.node))
+            format!("{}{changed} by {} for {casters}{onto}", claim.type_name, quoted(&claim.node))
         });
         let served = if claims.is_empty() { "casts no shadow".into() } else { listed(served) };
         format!("{} {}: {served}", quoted(&light.name), light_text(&light.light))
     }));
     let claims = registry.lights.iter().flatten();
     let known: BTreeSet<(&str, &str)> =
-        claims.map(|claim| (claim.technique.type_name(), claim.technique.known_error())).collect();
+        claims.map(|claim| (claim.type_name, claim.technique.traits().known_error)).collect();
     if !known.is_empty() {
         out!("techniques");
     }
@@ -274,7 +273,7 @@ fn wrong(loaded: &Loaded, posed: &Posed, registry: &Registry, empty: Option<Stri
             wrong.push(format!("shadow node {} serves no light", quoted(&node.name)));
         }
     }
-    let coloured = registry.lights.iter().flatten().any(|claim| claim.technique.casts_transparent());
+    let coloured = registry.lights.iter().flatten().any(|claim| claim.technique.traits().casts_transparent);
     let clear = posed.instances.iter().filter(|instance| instance.shadow.casts && !instance.is_opaque());
     let clear: Vec<String> = clear.map(|instance| quoted(&instance.name)).collect();
     if !clear.is_empty() && !coloured {

@@ -269,7 +269,7 @@ fn looser(a: Owed, b: Owed) -> Owed {
 pub fn owed(technique: &Arc<dyn ShadowTechnique>, light: &PosedLight) -> Owed {
     let params = technique.params();
     let is = |option: &str, value: &str| matches!(params.get(option), Some(ParamValue::Text(text)) if text == value);
-    let is_wide = technique.light_size().is_wide(light.position);
+    let is_wide = technique.traits().light_size.is_wide(light.position);
     // Areas add up, and silhouettes are the centre's: their rows go up to every pixel wrong by 0.9.
     if is_wide && (is("quality", "perReceiver") || is("quality", "wedge")) {
         return Owed::Drawn;
@@ -287,7 +287,7 @@ pub fn owed(technique: &Arc<dyn ShadowTechnique>, light: &PosedLight) -> Owed {
         return Owed::Close { rmse: 0.2, wrong_share: 0.0 };
     }
     // Points in a ball: the row of casters within the light's sphere.
-    if technique.shades_receivers_only() {
+    if technique.traits().shades_receivers_only {
         return Owed::Close { rmse: 0.13, wrong_share: 0.02 };
     }
     Owed::Exact

@@ -307,7 +307,7 @@ impl Recipe {
                 node = node.with_casters(keys(&bodies, places));
             }
             // An unknown type or option is for the frame to refuse.
-            if let Ok(technique) = catalog.technique("", &node) {
+            if let Ok((_, technique)) = catalog.technique("", &node) {
                 node.receivers = receivers_for(&scene.pose()?, technique.as_ref());
             }
             scene.add_shadow(&format!("shadows{index}"), node);

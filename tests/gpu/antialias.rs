@@ -263,7 +263,7 @@ fn samples_that_do_not_match_are_refused_by_the_plan() {
     let mut plan = good.clone();
     let depth = plan.passes.last_mut().unwrap().draws[0].bindings.iter_mut().find(|(number, _)| *number == 3);
     let (_, binding) = depth.unwrap();
-    *binding = Binding::TextureArray(binding.slot());
+    *binding = Binding::TextureArray(binding.resource().unwrap());
     assert!(matches!(plan.validate(), Err(PlanError::WrongKind { .. })));
 }
 
@@ -279,7 +279,7 @@ fn what_has_no_samples_is_refused_with_what_is_accepted() {
     scene.add_shadow("fog", ShadowNode::new("Veil"));
     let plan = |scene: &Scene, request: &FrameRequest, adapter: &Adapter<'_>| {
         let catalog = shadowgraph_testing::catalog_with_veil();
-        shadowgraph_testing::try_plan_with(scene, request, &catalog, adapter, &mut Cache::new())
+        shadowgraph_testing::try_plan_with(scene, request, &catalog, adapter, &Cache::new())
     };
     let error = plan(&scene, &four, &Adapter::imagined()).unwrap_err();
     assert!(matches!(error, FrameError::Shadow(ShadowError::NotPerSample { .. })));

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use shadowgraph::engine::plan::{Draw, Geometry};
 use shadowgraph::engine::scene::{Instance, Params};
-use shadowgraph::engine::shadow::{Layers, LightPlan, LightSize, Requirements, ShadowError, ShadowTechnique};
+use shadowgraph::engine::shadow::{
+    Contribution, Draw, Geometry, LightContext, PassList, ShadowError, ShadowTechnique, Traits,
+};
 
 /// A technique with something done to what it plans.
 #[derive(Debug)]
@@ -21,60 +22,38 @@ pub(crate) enum Spoil {
     /// To every draw of triangles that it lists: the sides and caps of volumes.
     Volumes(fn(&mut Draw)),
     /// In place of its plan.
-    Plan(fn(&dyn ShadowTechnique, &mut LightPlan<'_>) -> Result<(), ShadowError>),
+    Plan(PlanOf),
 }
 
-impl ShadowTechnique for Broken {
-    fn type_name(&self) -> &'static str {
-        self.technique.type_name()
-    }
+/// What stands in for the plan of a technique.
+pub(crate) type PlanOf =
+    fn(&dyn ShadowTechnique, &LightContext<'_>, &mut PassList<'_>) -> Result<Contribution, ShadowError>;
 
+impl ShadowTechnique for Broken {
     fn params(&self) -> Params {
         self.technique.params()
     }
 
-    fn known_error(&self) -> &'static str {
-        "whatever was done to it"
-    }
-
-    fn requirements(&self) -> Requirements {
-        self.technique.requirements()
-    }
-
-    fn casts_transparent(&self) -> bool {
-        self.technique.casts_transparent()
-    }
-
-    fn receiver_layers(&self) -> Layers {
-        self.technique.receiver_layers()
+    fn traits(&self) -> Traits {
+        self.technique.traits()
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
         self.technique.casts(instance)
     }
 
-    fn light_size(&self) -> LightSize {
-        self.technique.light_size()
-    }
-
-    fn light_sample_count(&self) -> Option<u32> {
-        self.technique.light_sample_count()
-    }
-
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        match self.spoil {
-            Spoil::Draws(spoil) => {
-                self.technique.plan(light)?;
-                light.passes_mut().iter_mut().flat_map(|pass| &mut pass.draws).for_each(spoil);
-                Ok(())
-            }
-            Spoil::Volumes(spoil) => {
-                self.technique.plan(light)?;
-                let draws = light.passes_mut().iter_mut().flat_map(|pass| &mut pass.draws);
-                draws.filter(|draw| matches!(draw.geometry, Geometry::Indexed { .. })).for_each(spoil);
-                Ok(())
-            }
-            Spoil::Plan(plan) => plan(self.technique.as_ref(), light),
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
+        let (spoil, all): (fn(&mut Draw), bool) = match self.spoil {
+            Spoil::Plan(plan) => return plan(self.technique.as_ref(), light, out),
+            Spoil::Draws(spoil) => (spoil, true),
+            Spoil::Volumes(spoil) => (spoil, false),
+        };
+        let left = self.technique.plan(light, out)?;
+        for mut pass in out.take_passes() {
+            let draws = pass.draws.iter_mut();
+            draws.filter(|draw| all || matches!(draw.geometry, Geometry::Indexed { .. })).for_each(spoil);
+            out.pass(pass);
         }
+        Ok(left)
     }
 }

@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use shadowgraph::engine::manager::Frame;
 use shadowgraph::engine::plan::{
-    Access, Binding, BlendState, ColorTarget, CompareFunction, DepthTarget, Draw, DrawState, Geometry, Load,
-    MULTIPLY, Pass, PlanError, Shader, TextureFormat,
+    self, Access, BlendState, CompareFunction, DrawState, Lifetime, Load, MULTIPLY, PlanError, Resource,
+    Shader, TextureDesc, TextureFormat,
 };
 use shadowgraph::engine::scene::{Instance, ParamValue, Params};
 use shadowgraph::engine::shadow::{
-    Catalog, Channels, LightPlan, OptionError, OptionTable, ShadowError, ShadowTechnique, TechniqueEntry,
+    Binding, Catalog, Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, OptionError,
+    OptionTable, Pass, PassList, ShadowError, ShadowTechnique, TechniqueEntry, Traits,
 };
 use shadowgraph::prelude::*;
 
@@ -38,19 +39,9 @@ fn copy() -> @location(0) vec4f {
 ";
 
 fn fullscreen(fragment: &'static str, blend: BlendState, bindings: Vec<(u32, Binding)>) -> Draw {
-    Draw {
-        name: fragment.into(),
-        shader: Some(Shader {
-            name: "keeper".into(),
-            source: shadowgraph::shaders::compose("keeper", TEXT, &[]).unwrap().into(),
-            vertex: "fullscreen_vertex".into(),
-            fragment: Some(fragment.into()),
-        }),
-        state: DrawState::new(CompareFunction::Always, vec![Some(blend)]),
-        geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-        bindings,
-        scissor_px: None,
-    }
+    let shader = Shader::written("keeper", TEXT, &[], "fullscreen_vertex", Some(fragment)).unwrap();
+    let state = DrawState::new(CompareFunction::Always, vec![Some(blend)]);
+    Draw::new(fragment, Geometry::fullscreen(shader), state).reading(bindings)
 }
 
 fn pass(name: &str, color: ColorTarget, draw: Draw) -> Pass {
@@ -58,48 +49,39 @@ fn pass(name: &str, color: ColorTarget, draw: Draw) -> Pass {
 }
 
 impl ShadowTechnique for Keeper {
-    fn type_name(&self) -> &'static str {
-        "Keeper"
-    }
-
     fn params(&self) -> Params {
         let number = |value: f64| ParamValue::Number(value);
         [("key".into(), number(self.key as f64)), ("size".into(), number(self.size.into()))].into()
     }
 
-    fn known_error(&self) -> &'static str {
-        "everything"
+    fn traits(&self) -> Traits {
+        Traits { known_error: "everything", ..Traits::default() }
     }
 
     fn casts(&self, _: &Instance) -> Result<bool, String> {
         Ok(true)
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
         let (format, size) = (TextureFormat::R16Float, [self.size; 2]);
-        let first = light.kept_texture("first", format, size, 1, self.key, "a test");
-        let second = light.kept_texture("second", format, size, 1, self.key, "a test");
-        let onto = |slot, load| ColorTarget { slot, layer: 0, load, resolve: None };
+        let lifetime = Lifetime::Kept(self.key);
+        let mut kept =
+            |name| out.texture(TextureDesc { lifetime, ..TextureDesc::new(name, format, size, "a test") });
+        let (first, second) = (kept("first"), kept("second"));
+        let onto = |slot: Resource, load| ColorTarget::new(slot, load);
+        let sum = BlendState { color: plan::BlendComponent::OVER, alpha: plan::BlendComponent::OVER };
         let sum = BlendState {
-            color: shadowgraph::engine::plan::BlendComponent::OVER,
-            alpha: shadowgraph::engine::plan::BlendComponent::OVER,
-        };
-        let sum = BlendState {
-            color: shadowgraph::engine::plan::BlendComponent {
-                dst_factor: shadowgraph::engine::plan::BlendFactor::One,
-                ..sum.color
-            },
+            color: plan::BlendComponent { dst_factor: plan::BlendFactor::One, ..sum.color },
             ..sum
         };
         let clear = Load::Clear([0.0; 4]);
-        light.pass(pass("draw", onto(first, clear), fullscreen("quarter", BlendState::REPLACE, vec![])));
-        let from = |slot| vec![(0, Binding::Texture(slot))];
-        light.pass(pass("blur", onto(second, clear), fullscreen("copy", sum, from(first))));
-        light.pass(pass("blur again", onto(second, Load::Keep), fullscreen("copy", sum, from(first))));
-        let target = light.multiply_visibility(Channels::One);
+        out.pass(pass("draw", onto(first, clear), fullscreen("quarter", BlendState::REPLACE, vec![])));
+        let from = |slot: Resource| vec![(0, Binding::Texture(slot))];
+        out.pass(pass("blur", onto(second, clear), fullscreen("copy", sum, from(first))));
+        out.pass(pass("blur again", onto(second, Load::Keep), fullscreen("copy", sum, from(first))));
         let name = format!("apply to {}", light.light().name);
-        light.pass(pass(&name, target, fullscreen("copy", MULTIPLY, from(second))));
-        Ok(())
+        out.pass(pass(&name, ColorTarget::VISIBILITY, fullscreen("copy", MULTIPLY, from(second))));
+        Ok(Contribution::visibility(Channels::One))
     }
 }
 
@@ -219,7 +201,8 @@ fn a_frame_that_fails_leaves_nothing_that_counts_as_drawn() {
     let (posed, _) = renderer.posed(&yard(&[(1, 8)])).unwrap();
     let mut broken = plan.clone();
     let last = broken.passes.iter_mut().rfind(|pass| pass.name.starts_with("apply")).unwrap();
-    last.draws[0].shader.as_mut().unwrap().source = "fn nothing".into();
+    let plan::Geometry::Procedural { shader, .. } = &mut last.draws[0].geometry else { panic!("{broken}") };
+    shader.source = "fn nothing".into();
     let mut executor = shadowgraph::engine::gpu::Executor::new(renderer.gpu().clone());
     let inputs = shadowgraph::engine::gpu::FrameInputs {
         posed: &posed,
@@ -240,13 +223,13 @@ fn a_frame_that_fails_leaves_nothing_that_counts_as_drawn() {
 fn plans_say_what_is_kept_and_refuse_what_cannot_be() {
     let plan = |nodes: &[(u64, u32)]| {
         let adapter = shadowgraph::engine::manager::Adapter::imagined();
-        let mut cache = shadowgraph::engine::shadow::Cache::new();
+        let cache = shadowgraph::engine::shadow::Cache::new();
         shadowgraph_testing::try_plan_with(
             &yard(nodes),
             &shadowgraph_testing::request(),
             &catalog(),
             &adapter,
-            &mut cache,
+            &cache,
         )
         .unwrap()
     };
@@ -255,8 +238,7 @@ fn plans_say_what_is_kept_and_refuse_what_cannot_be() {
     assert!(text.contains("kept under 000000000000001f"), "{text}");
     assert!(text.contains("kept: runs only when 'second' does not hold this key yet"), "{text}");
     // Two lights of one key: one texture.
-    let count =
-        |plan: &shadowgraph::engine::plan::FramePlan| plan.slots.iter().filter(|s| s.kept.is_some()).count();
+    let count = |plan: &plan::FramePlan| plan.slots.iter().filter(|s| s.kept.is_some()).count();
     assert_eq!(
         (count(&valid), count(&plan(&[(31, 8), (31, 8)])), count(&plan(&[(31, 8), (32, 8)]))),
         (2, 2, 4)
@@ -269,8 +251,9 @@ fn plans_say_what_is_kept_and_refuse_what_cannot_be() {
     let mut mixed = valid.clone();
     let (picture, depth) = (mixed.picture, mixed.slots.iter().position(|slot| slot.name == "depth").unwrap());
     let draw = mixed.passes.iter_mut().find(|pass| pass.name == "draw").unwrap();
-    draw.depth = Some(DepthTarget {
-        slot: shadowgraph::engine::plan::SlotId(depth),
+    draw.depth = Some(plan::DepthTarget {
+        slot: plan::SlotId(depth),
+        layer: 0,
         depth: Access::Clear(0.0),
         stencil: None,
     });
@@ -279,10 +262,10 @@ fn plans_say_what_is_kept_and_refuse_what_cannot_be() {
     assert!(["'draw'", "'first'", "'depth'"].iter().all(|name| error.to_string().contains(name)), "{error}");
     let mut sampled = valid.clone();
     sampled.slots.iter_mut().filter(|slot| slot.kept.is_some()).for_each(|slot| {
-        if let shadowgraph::engine::plan::SlotKind::Texture { samples, .. } = &mut slot.kind {
+        if let plan::SlotKind::Texture { samples, .. } = &mut slot.kind {
             *samples = 4;
         }
     });
     assert!(matches!(sampled.validate().unwrap_err(), PlanError::NotKeepable { .. }));
-    assert_ne!(picture, shadowgraph::engine::plan::SlotId(depth));
+    assert_ne!(picture, plan::SlotId(depth));
 }

@@ -11,7 +11,8 @@ use shadowgraph::engine::manager::{Adapter, FrameError};
 use shadowgraph::engine::plan::{FramePlan, SlotKind};
 use shadowgraph::engine::scene::{AlphaMode, Instance, ParamValue, Params};
 use shadowgraph::engine::shadow::{
-    Cache, Catalog, Layers, LightPlan, OptionTable, ShadowError, ShadowTechnique, TechniqueEntry,
+    Cache, Catalog, Contribution, Layers, LightContext, OptionTable, PassList, ShadowError, ShadowTechnique,
+    TechniqueEntry, Traits,
 };
 use shadowgraph::measure::{
     ErrorTable, LayerEvaluation, LightQuery, LightSize, Reference, ReferenceShadow, Samples, SizedCasters,
@@ -25,28 +26,20 @@ use shadowgraph::prelude::*;
 struct HardOnLayers(ShadowVolumeHard, Layers);
 
 impl ShadowTechnique for HardOnLayers {
-    fn type_name(&self) -> &'static str {
-        "HardOnLayers"
-    }
-
     fn params(&self) -> Params {
         self.0.params()
     }
 
-    fn known_error(&self) -> &'static str {
-        self.0.known_error()
-    }
-
-    fn receiver_layers(&self) -> Layers {
-        self.1
+    fn traits(&self) -> Traits {
+        Traits { receiver_layers: self.1, ..self.0.traits() }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
         self.0.casts(instance)
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        self.0.plan(light)
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
+        self.0.plan(light, out)
     }
 }
 
@@ -308,7 +301,7 @@ fn only_the_nearest_layer_is_shadowed_when_that_is_asked_for() {
 }
 
 fn plan_of(scene: &Scene, request: &FrameRequest) -> Result<FramePlan, FrameError> {
-    shadowgraph_testing::try_plan_with(scene, request, &catalog(), &Adapter::imagined(), &mut Cache::new())
+    shadowgraph_testing::try_plan_with(scene, request, &catalog(), &Adapter::imagined(), &Cache::new())
 }
 
 #[test]

@@ -23,6 +23,7 @@ mod many_lights;
 mod materials;
 mod models;
 mod outside_technique;
+mod plan_execution;
 mod planar;
 mod robustness;
 mod sabotage;

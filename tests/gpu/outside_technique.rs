@@ -67,7 +67,7 @@ fn renderer() -> Option<Renderer> {
 fn plan_of(scene: &Scene) -> Result<FramePlan, FrameError> {
     let posed = scene.pose().unwrap();
     let registry = Registry::collect(&posed, &catalog())?;
-    plan_frame(&posed, &registry, &request(), &Adapter::imagined(), &mut Cache::new())
+    plan_frame(&posed, &registry, &request(), &Adapter::imagined(), &Cache::new())
 }
 
 fn format_of(plan: &FramePlan, name: &str) -> Option<TextureFormat> {

@@ -6,10 +6,11 @@ use std::time::Duration;
 
 use shadowgraph::engine::gpu::{GpuError, Pixels};
 use shadowgraph::engine::manager::Frame;
-use shadowgraph::engine::plan::{CompareFunction, Draw, DrawState, Geometry, Pass, Shader};
+use shadowgraph::engine::plan::{CompareFunction, DrawState, Shader};
 use shadowgraph::engine::scene::{Image, Params, TextureRef};
 use shadowgraph::engine::shadow::{
-    Channels, LightPlan, OptionTable, ShadowError, ShadowTechnique, TechniqueEntry,
+    Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, OptionTable, Pass, PassList,
+    ShadowError, ShadowTechnique, TechniqueEntry, Traits,
 };
 use shadowgraph::prelude::*;
 
@@ -189,54 +190,36 @@ fn what_exceeds_a_limit_is_named_with_the_limit() {
 /// A technique that draws a fullscreen triangle over the light's visibility with whatever shader it is made with.
 #[derive(Debug)]
 struct Painter {
-    type_name: &'static str,
     source: &'static str,
     fragment: &'static str,
 }
 
 impl ShadowTechnique for Painter {
-    fn type_name(&self) -> &'static str {
-        self.type_name
-    }
-
     fn params(&self) -> Params {
         Params::new()
     }
 
-    fn known_error(&self) -> &'static str {
-        "everything"
+    fn traits(&self) -> Traits {
+        Traits { known_error: "everything", ..Traits::default() }
     }
 
     fn casts(&self, _: &shadowgraph::engine::scene::Instance) -> Result<bool, String> {
         Ok(true)
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        let target = light.multiply_visibility(Channels::One);
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
         let text = format!("#import common/fullscreen\n{}", self.source);
-        let source = shadowgraph::shaders::compose("paint", &text, &[]).unwrap();
-        let shader = Shader {
-            name: "paint".into(),
-            source: source.into(),
-            vertex: "fullscreen_vertex".into(),
-            fragment: Some(self.fragment.into()),
-        };
+        let shader = Shader::written("paint", &text, &[], "fullscreen_vertex", Some(self.fragment))?;
         let blend = Some(shadowgraph::engine::plan::MULTIPLY);
-        light.pass(Pass {
+        let state = DrawState::new(CompareFunction::Always, vec![blend]);
+        out.pass(Pass {
             name: format!("paint {}", light.light().name),
             reason: "a test".into(),
-            colors: vec![target],
+            colors: vec![ColorTarget::VISIBILITY],
             depth: None,
-            draws: vec![Draw {
-                name: "paint".into(),
-                shader: Some(shader),
-                state: DrawState::new(CompareFunction::Always, vec![blend]),
-                geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-                bindings: vec![],
-                scissor_px: None,
-            }],
+            draws: vec![Draw::new("paint", Geometry::fullscreen(shader), state)],
         });
-        Ok(())
+        Ok(Contribution::visibility(Channels::One))
     }
 }
 
@@ -251,7 +234,7 @@ macro_rules! painter {
             short_name: $name,
             summary: "a test",
             settings: &[],
-            from_params: |_| Ok(Arc::new(Painter { type_name: $name, source: $source, fragment: $fragment })),
+            from_params: |_| Ok(Arc::new(Painter { source: $source, fragment: $fragment })),
             options: OptionTable::none,
         }
     };

@@ -4,13 +4,15 @@
 
 use std::sync::Arc;
 
-use crate::broken::{Broken, Spoil};
+use crate::broken::{Broken, PlanOf, Spoil};
 use crate::tolerances::ROWS;
 use crate::trials::{Trial, try_all};
 use shadowgraph::cases;
-use shadowgraph::engine::plan::{CompareFunction, Draw, Geometry, Stencil, StencilOperation};
+use shadowgraph::engine::plan::{CompareFunction, Stencil, StencilOperation};
 use shadowgraph::engine::scene::Params;
-use shadowgraph::engine::shadow::{Catalog, LightPlan, OptionError, ShadowTechnique, TechniqueEntry};
+use shadowgraph::engine::shadow::{
+    Catalog, Contribution, Draw, Geometry, OptionError, ShadowTechnique, TechniqueEntry,
+};
 use shadowgraph::prelude::*;
 
 type FromParams = fn(&Params) -> Result<Arc<dyn ShadowTechnique>, OptionError>;
@@ -121,7 +123,7 @@ fn a_shifted_mask() {
     turns_red(
         |_| {
             broken(ShadowVolumeHard::default(), |draw| {
-                let Some(shader) = &mut draw.shader else { return };
+                let Geometry::Indexed { shader, .. } = &mut draw.geometry else { return };
                 let parameters = "(@builtin(vertex_index) index: u32, @builtin(instance_index) volume: u32)";
                 let (entry, bare) =
                     (format!("@vertex\nfn vertex{parameters}"), "fn unshifted(index: u32, volume: u32)");
@@ -191,15 +193,14 @@ fn inner_walls_that_cast_nothing() {
     // Solids cast with half their triangles, as if all surfaces had two sides: the walls that are seen from inside are not
     // among them. A plan holds on to its scene for good, so the changed one is never dropped.
     let halved: FromParams = |_| {
-        let plan = |technique: &dyn ShadowTechnique, light: &mut LightPlan<'_>| {
+        let plan: PlanOf = |technique, light, out| {
             let mut posed = light.posed.clone();
             for material in posed.instances.iter_mut().flat_map(|instance| &mut instance.materials) {
                 *material = Arc::new(Material { double_sided: true, ..(**material).clone() });
             }
-            let seen = std::mem::replace(&mut light.posed, Box::leak(Box::new(posed)));
-            let planned = technique.plan(light);
-            light.posed = seen;
-            planned
+            let mut light = *light;
+            light.posed = Box::leak(Box::new(posed));
+            technique.plan(&light, out)
         };
         Ok(Arc::new(Broken { technique: Arc::new(ShadowVolumeHard::default()), spoil: Spoil::Plan(plan) }))
     };
@@ -215,9 +216,9 @@ fn a_horizon_that_only_casters_bring() {
     };
     let broken: FromParams = |params| {
         let technique = (ShadowVolumeSoft::ENTRY.from_params)(params)?;
-        let plan = |technique: &dyn ShadowTechnique, light: &mut LightPlan<'_>| {
+        let plan: PlanOf = |technique, light, out| {
             let casts = light.casters().any(|(_, instance)| technique.casts(instance) == Ok(true));
-            if casts { technique.plan(light) } else { Ok(()) }
+            if casts { technique.plan(light, out) } else { Ok(Contribution::default()) }
         };
         Ok(Arc::new(Broken { technique, spoil: Spoil::Plan(plan) }))
     };

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use crate::broken::{Broken, Spoil};
 use shadowgraph::cases;
-use shadowgraph::engine::plan::{Draw, Geometry};
 use shadowgraph::engine::scene::Params;
 use shadowgraph::engine::shadow::{Catalog, ShadowTechnique, TechniqueEntry};
+use shadowgraph::engine::shadow::{Draw, Geometry};
 use shadowgraph::measure::{evaluate, evaluate_layers};
 use shadowgraph::nodes::TransparentShadow;
 use shadowgraph::prelude::*;

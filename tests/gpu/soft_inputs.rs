@@ -4,12 +4,11 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3};
-use shadowgraph::engine::plan::{
-    Binding, BufferUsage, CompareFunction, Draw, DrawState, Geometry, Pass, Shader, SlotKind,
-};
+use shadowgraph::engine::plan::{BufferDesc, CompareFunction, DrawState, Shader, SlotKind};
 use shadowgraph::engine::scene::{Instance, NodeKey, Params, ShadowFlags};
 use shadowgraph::engine::shadow::{
-    Catalog, Channels, LightPlan, OptionTable, ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
+    Binding, Catalog, Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, OptionTable, Pass,
+    PassList, ShadowError, ShadowTechnique, TechniqueEntry, Traits, hash_of,
 };
 use shadowgraph::prelude::*;
 
@@ -37,54 +36,35 @@ fn facing(@builtin(position) position: vec4f) -> @location(0) vec4f {
 ";
 
 impl ShadowTechnique for Facing {
-    fn type_name(&self) -> &'static str {
-        if self.decides { "Facing" } else { "FacingUndecided" }
-    }
-
     fn params(&self) -> Params {
         Params::new()
     }
 
-    fn known_error(&self) -> &'static str {
-        "everything"
+    fn traits(&self) -> Traits {
+        Traits { known_error: "everything", ..Traits::default() }
     }
 
     fn casts(&self, _: &Instance) -> Result<bool, String> {
         Ok(true)
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        if self.decides {
-            light.decides_own_shadow();
-        }
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
         let bytes = bytemuck::cast_slice::<u32, u8>(&[light.light_index() as u32; 4]).to_vec();
-        let number = light.buffer("number", BufferUsage::Storage, hash_of(&bytes), Arc::new(bytes), "a test");
-        let planes = light.receiver_planes();
-        let target = light.multiply_visibility(Channels::One);
-        let shader = Shader {
-            name: "facing".into(),
-            source: shadowgraph::shaders::compose("facing", TEXT, &[]).unwrap().into(),
-            vertex: "fullscreen_vertex".into(),
-            fragment: Some("facing".into()),
-        };
-        light.pass(Pass {
+        let key = hash_of(&bytes);
+        let number = out.buffer(BufferDesc::storage("number", key, Arc::new(bytes), "a test"));
+        let planes = out.receiver_planes();
+        let shader = Shader::written("facing", TEXT, &[], "fullscreen_vertex", Some("facing"))?;
+        let blend = Some(shadowgraph::engine::plan::MULTIPLY);
+        let state = DrawState::new(CompareFunction::Always, vec![blend]);
+        let draw = Draw::new("facing", Geometry::fullscreen(shader), state);
+        out.pass(Pass {
             name: format!("facing for {}", light.light().name),
             reason: "a test".into(),
-            colors: vec![target],
+            colors: vec![ColorTarget::VISIBILITY],
             depth: None,
-            draws: vec![Draw {
-                name: "facing".into(),
-                shader: Some(shader),
-                state: DrawState::new(
-                    CompareFunction::Always,
-                    vec![Some(shadowgraph::engine::plan::MULTIPLY)],
-                ),
-                geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-                bindings: vec![(0, Binding::Storage(number)), (1, Binding::Texture(planes))],
-                scissor_px: None,
-            }],
+            draws: vec![draw.reading(vec![(0, Binding::Storage(number)), (1, Binding::Texture(planes))])],
         });
-        Ok(())
+        Ok(Contribution { own_shadow: self.decides, ..Contribution::visibility(Channels::One) })
     }
 }
 
@@ -185,8 +165,8 @@ fn normals_are_those_of_triangles_and_turned_surfaces_keep_what_the_technique_sa
 fn normals_are_in_the_plan_only_when_asked_for() {
     let plan = |scene: &Scene, request: &FrameRequest| {
         let adapter = shadowgraph::engine::manager::Adapter::imagined();
-        let mut cache = shadowgraph::engine::shadow::Cache::new();
-        shadowgraph_testing::try_plan_with(scene, request, &catalog(), &adapter, &mut cache)
+        let cache = shadowgraph::engine::shadow::Cache::new();
+        shadowgraph_testing::try_plan_with(scene, request, &catalog(), &adapter, &cache)
     };
     let has = |plan: &shadowgraph::engine::plan::FramePlan, name: &str| {
         plan.slots.iter().any(|slot| slot.name == name)

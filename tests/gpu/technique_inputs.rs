@@ -4,12 +4,11 @@
 use std::sync::Arc;
 
 use glam::DVec4;
-use shadowgraph::engine::plan::{
-    Binding, BlendState, BufferUsage, CompareFunction, Draw, DrawState, Geometry, Pass, Shader,
-};
+use shadowgraph::engine::plan::{BlendState, BufferDesc, CompareFunction, DrawState, Shader};
 use shadowgraph::engine::scene::{Instance, Params};
 use shadowgraph::engine::shadow::{
-    Channels, LightPlan, OptionTable, ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
+    Binding, Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, OptionTable, Pass, PassList,
+    ShadowError, ShadowTechnique, TechniqueEntry, Traits, hash_of,
 };
 use shadowgraph::prelude::*;
 
@@ -42,52 +41,37 @@ fn silhouette(@builtin(position) position: vec4f) -> @location(0) vec4f {
 ";
 
 impl ShadowTechnique for Silhouettes {
-    fn type_name(&self) -> &'static str {
-        "Silhouettes"
-    }
-
     fn params(&self) -> Params {
         Params::new()
     }
 
-    fn known_error(&self) -> &'static str {
-        "everything"
+    fn traits(&self) -> Traits {
+        Traits { known_error: "everything", ..Traits::default() }
     }
 
     fn casts(&self, _: &Instance) -> Result<bool, String> {
         Ok(true)
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
         let caster = light.casters().next().unwrap().0 as u32;
         let DVec4 { x, y, z, w } = light.light().position;
         let mut bytes = bytemuck::cast_slice::<f32, u8>(&[x, y, z, w].map(|v| v as f32)).to_vec();
         bytes.extend(bytemuck::cast_slice::<u32, u8>(&[light.light_index() as u32, caster, 0, 0]));
         let key = hash_of(&bytes);
-        let asked = light.buffer("asked", BufferUsage::Storage, key, Arc::new(bytes), "a test");
-        let visible = light.visible_triangles();
-        let target = light.multiply_visibility(Channels::One);
-        let shader = Shader {
-            name: "silhouettes".into(),
-            source: shadowgraph::shaders::compose("silhouettes", TEXT, &[]).unwrap().into(),
-            vertex: "fullscreen_vertex".into(),
-            fragment: Some("silhouette".into()),
-        };
-        light.pass(Pass {
+        let asked = out.buffer(BufferDesc::storage("asked", key, Arc::new(bytes), "a test"));
+        let visible = out.visible_triangles();
+        let shader = Shader::written("silhouettes", TEXT, &[], "fullscreen_vertex", Some("silhouette"))?;
+        let state = DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]);
+        let draw = Draw::new("silhouettes", Geometry::fullscreen(shader), state);
+        out.pass(Pass {
             name: format!("silhouettes for {}", light.light().name),
             reason: "a test".into(),
-            colors: vec![target],
+            colors: vec![ColorTarget::VISIBILITY],
             depth: None,
-            draws: vec![Draw {
-                name: "silhouettes".into(),
-                shader: Some(shader),
-                state: DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]),
-                geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-                bindings: vec![(0, Binding::Storage(asked)), (1, Binding::Texture(visible))],
-                scissor_px: None,
-            }],
+            draws: vec![draw.reading(vec![(0, Binding::Storage(asked)), (1, Binding::Texture(visible))])],
         });
-        Ok(())
+        Ok(Contribution::visibility(Channels::One))
     }
 }
 
@@ -150,8 +134,8 @@ fn triangles_light_and_world_are_where_they_are_said_to_be() {
 fn visible_triangles_are_in_the_plan_only_when_asked_for() {
     let plan = |scene: &Scene, request: &FrameRequest| {
         let adapter = shadowgraph::engine::manager::Adapter::imagined();
-        let mut cache = shadowgraph::engine::shadow::Cache::new();
-        shadowgraph_testing::try_plan_with(scene, request, &catalog(), &adapter, &mut cache)
+        let cache = shadowgraph::engine::shadow::Cache::new();
+        shadowgraph_testing::try_plan_with(scene, request, &catalog(), &adapter, &cache)
     };
     let asked = plan(&scene(), &shadowgraph_testing::request()).unwrap();
     assert_eq!(asked.passes_named("visible triangles").count(), 1);

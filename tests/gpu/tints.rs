@@ -5,13 +5,14 @@ use std::sync::Arc;
 
 use shadowgraph::engine::manager::{Adapter, Frame, FrameError, PictureFormat};
 use shadowgraph::engine::plan::{
-    CompareFunction, Draw, DrawState, FactorAt, FramePlan, Geometry, MULTIPLY, Pass, Shader, Stencil,
-    StencilFaceState, StencilOperation,
+    CompareFunction, DrawState, FactorAt, FramePlan, MULTIPLY, Shader, Stencil, StencilFaceState,
+    StencilOperation,
 };
 use shadowgraph::engine::scene::{Instance, ParamValue, Params, ShadowFlags};
 use shadowgraph::engine::shadow::{
-    Cache, Catalog, Channels, Features, LightPlan, OptionError, OptionTable, ShadowError, ShadowTechnique,
-    TechniqueEntry,
+    self as shadow, Cache, Catalog, Channels, ColorTarget, Contribution, DepthTarget, Draw, Features,
+    Geometry, LightContext, OptionError, OptionTable, Pass, PassList, ShadowError, ShadowTechnique,
+    TechniqueEntry, Traits,
 };
 use shadowgraph::prelude::*;
 
@@ -47,10 +48,6 @@ fn half() -> @location(0) vec4f {
 ";
 
 impl ShadowTechnique for Mark {
-    fn type_name(&self) -> &'static str {
-        "Mark"
-    }
-
     fn params(&self) -> Params {
         let apply = f64::from(self.apply as u8);
         let bits = f64::from(u8::from(self.counts) + 2 * u8::from(self.visibility));
@@ -59,37 +56,34 @@ impl ShadowTechnique for Mark {
         all.into_iter().map(|(name, value)| (name.into(), ParamValue::Number(value))).collect()
     }
 
-    fn known_error(&self) -> &'static str {
-        "everything"
+    fn traits(&self) -> Traits {
+        Traits { known_error: "everything", ..Traits::default() }
     }
 
     fn casts(&self, _: &Instance) -> Result<bool, String> {
         Ok(true)
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        match self.apply {
-            Apply::Plainly => {}
-            Apply::Light => light.tint(self.weight, self.color),
-            Apply::Picture => light.darken_picture(self.weight, self.color),
-        }
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
+        let (weight, color) = (self.weight, self.color);
+        let mut left = Contribution {
+            apply: match self.apply {
+                Apply::Plainly => shadow::Apply::default(),
+                Apply::Light => shadow::Apply::Light { weight, color },
+                Apply::Picture => shadow::Apply::DarkenPicture { weight, color },
+            },
+            ..Contribution::default()
+        };
         let [width, height] = light.view.size_px;
         let middle = width / 2;
-        let draw = |fragment: Option<&'static str>, state, scissor| Draw {
-            name: "mark".into(),
-            shader: Some(Shader {
-                name: "mark".into(),
-                source: shadowgraph::shaders::compose("mark", TEXT, &[]).unwrap().into(),
-                vertex: "fullscreen_vertex".into(),
-                fragment: fragment.map(Into::into),
-            }),
-            state,
-            geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-            bindings: vec![],
-            scissor_px: Some(scissor),
+        let draw = |fragment: Option<&'static str>, state, scissor| {
+            let shader = Shader::written("mark", TEXT, &[], "fullscreen_vertex", fragment).unwrap();
+            let draw = Draw::new("mark", Geometry::fullscreen(shader), state);
+            Draw { scissor_px: Some(scissor), ..draw }
         };
         if self.counts {
-            let (depth, _) = light.count_in_stencil(1);
+            let depth = Some(DepthTarget::COUNT);
+            left.counts_bound = Some(1);
             let face = StencilFaceState {
                 compare: CompareFunction::Always,
                 fail_op: StencilOperation::Keep,
@@ -101,16 +95,17 @@ impl ShadowTechnique for Mark {
                 Some(Stencil { front: face, back: face, read_mask: 0xff, write_mask: 0xff, reference: 0 });
             let name = format!("count {}", light.light().name);
             let draws = vec![draw(None, state, [0, 0, middle, height])];
-            light.pass(Pass { name, reason: "a test".into(), colors: vec![], depth: Some(depth), draws });
+            out.pass(Pass { name, reason: "a test".into(), colors: vec![], depth, draws });
         }
         if self.visibility {
-            let target = light.multiply_visibility(Channels::One);
+            left.visibility = Some(Channels::One);
+            let colors = vec![ColorTarget::VISIBILITY];
             let state = DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]);
             let name = format!("veil {}", light.light().name);
             let draws = vec![draw(Some("half"), state, [middle, 0, width - middle, height])];
-            light.pass(Pass { name, reason: "a test".into(), colors: vec![target], depth: None, draws });
+            out.pass(Pass { name, reason: "a test".into(), colors, depth: None, draws });
         }
-        Ok(())
+        Ok(left)
     }
 }
 
@@ -328,7 +323,7 @@ fn shadows_may_darken_the_finished_picture() {
 }
 
 fn try_plan(scene: &Scene, request: &FrameRequest, adapter: &Adapter<'_>) -> Result<FramePlan, FrameError> {
-    shadowgraph_testing::try_plan_with(scene, request, &catalog(), adapter, &mut Cache::new())
+    shadowgraph_testing::try_plan_with(scene, request, &catalog(), adapter, &Cache::new())
 }
 
 fn plan(lamps: &[&[Mark]], factors: bool) -> FramePlan {

@@ -284,7 +284,7 @@ fn plan_without(scene: &Scene, request: &FrameRequest, missing: Features) -> Res
     let registry = Registry::collect(&posed, &shadowgraph_nodes::catalog()).unwrap();
     let adapter =
         Adapter { name: "Old GPU", features: Features::all().difference(missing), ..Adapter::imagined() };
-    plan_frame(&posed, &registry, request, &adapter, &mut Cache::new())
+    plan_frame(&posed, &registry, request, &adapter, &Cache::new())
 }
 
 /// The format of the slot whose name begins so.

@@ -120,7 +120,7 @@ fn try_one(
     };
     let made = (entry.from_params)(&(setting.params)()).ok();
     let claims = Claims {
-        receivers_only: made.as_ref().is_some_and(|technique| technique.shades_receivers_only()),
+        receivers_only: made.as_ref().is_some_and(|technique| technique.traits().shades_receivers_only),
         leaves_out: made.is_some_and(|technique| case.is_left_out_by(technique.as_ref())),
     };
     let request = case.request();

@@ -32,7 +32,7 @@ impl Yard {
         self.cache.begin_frame();
         let before = self.cache.computed();
         let catalog = shadowgraph_nodes::catalog();
-        let plan = try_plan_with(&self.scene, request, &catalog, &Adapter::imagined(), &mut self.cache);
+        let plan = try_plan_with(&self.scene, request, &catalog, &Adapter::imagined(), &self.cache);
         (plan.expect("the scene can be planned"), self.cache.computed() - before)
     }
 

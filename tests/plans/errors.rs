@@ -192,7 +192,7 @@ fn what_the_adapter_lacks_is_named() {
     };
     let try_without = |features, request: &FrameRequest| {
         let catalog = shadowgraph_nodes::catalog();
-        try_plan_with(&shadowed_yard(&[]), request, &catalog, &without(features), &mut Cache::new())
+        try_plan_with(&shadowed_yard(&[]), request, &catalog, &without(features), &Cache::new())
     };
     let Err(FrameError::Shadow(error)) = try_without(Features::DEPTH32FLOAT_STENCIL8, &request()) else {
         panic!("a stencil is needed")

@@ -303,7 +303,7 @@ fn what_the_adapter_lacks_for_an_option_is_named() {
     };
     let try_without = |scene: &Scene, features, request: &FrameRequest| {
         let catalog = shadowgraph_nodes::catalog();
-        match try_plan_with(scene, request, &catalog, &without(features), &mut Cache::new()) {
+        match try_plan_with(scene, request, &catalog, &without(features), &Cache::new()) {
             Err(FrameError::Shadow(error)) => Err(error),
             other => Ok(other.unwrap()),
         }

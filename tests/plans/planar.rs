@@ -45,7 +45,9 @@ fn direct_mode_draws_each_point_once_and_weighs() {
     // The receiver, and 16 points of the light.
     assert_eq!(marks.draws.len(), 17, "{plan}");
     let points = marks.draws[1..].iter();
-    assert!(points.clone().all(|draw| matches!(draw.geometry, Geometry::Listed { count: 36, .. })));
+    assert!(
+        points.clone().all(|draw| matches!(draw.geometry, Geometry::IndexedProcedural { count: 36, .. }))
+    );
     let references: Vec<u8> = points.map(|draw| draw.state.stencil.unwrap().reference).collect();
     assert_eq!(references, (239..=254).rev().collect::<Vec<u8>>());
     let depth = marks.depth.as_ref().unwrap();

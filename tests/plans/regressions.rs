@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use shadowgraph_engine::geometry::{Mesh, MeshData};
 use shadowgraph_engine::manager::{Adapter, FrameRequest};
 use shadowgraph_engine::plan::{
-    ColorTarget, FactorAt, Load, Pass, PlanBuilder, PlanError, StencilOperation, TextureFormat,
+    ColorTarget, FactorAt, Load, Pass, PlanError, Slot, SlotId, SlotKind, StencilOperation, TextureFormat,
 };
 use shadowgraph_engine::scene::{Camera, ParamValue, PosedCamera, ShadowNode, placed};
 use shadowgraph_engine::shadow::Cache;
@@ -20,7 +20,7 @@ fn a_light_shaded_from_the_stencil_has_it_for_itself() {
     scene.add_shadow("shadows", hard(&[]).with_lights([lamp, second]).with_casters([first]));
     scene.add_shadow("veils", ShadowNode::new("Veil").with_lights([second]).with_casters([other]));
     let catalog = catalog_with_veil();
-    let plan = try_plan_with(&scene, &request(), &catalog, &Adapter::imagined(), &mut Cache::new()).unwrap();
+    let plan = try_plan_with(&scene, &request(), &catalog, &Adapter::imagined(), &Cache::new()).unwrap();
     assert_eq!(plan.lights[1].factor, FactorAt::Visibility(0));
     if plan.lights[0].factor == FactorAt::Counts {
         let after = plan.passes.iter().skip_while(|pass| pass.name != "volumes of lamp").skip(1);
@@ -50,10 +50,10 @@ fn a_flattened_caster_has_a_finite_record() {
 /// A pass into a texture of its own size, with a scissor of that size.
 fn pass_confined_to(target_px: [u32; 2], scissor_px: [u32; 4]) -> Result<(), PlanError> {
     let mut plan = plan(&shadowed_yard(&[]), &request());
-    let mut builder = PlanBuilder::new(plan.size_px);
-    builder.slots.clone_from(&plan.slots);
-    let slot = builder.texture_sized("map", TextureFormat::R32Float, target_px, 1, "a test");
-    plan.slots = builder.slots;
+    let slot = SlotId(plan.slots.len());
+    let kind =
+        SlotKind::Texture { format: TextureFormat::R32Float, size_px: target_px, layers: 1, samples: 1 };
+    plan.slots.push(Slot { name: "map".into(), kind, reason: "a test".into(), kept: None });
     let mut draw = plan.passes[0].draws[0].clone();
     draw.state.depth_write = false;
     draw.state.targets = vec![None];

@@ -88,11 +88,10 @@ fn sampled_marks_asks_and_keeps_what_does_not_move() {
 #[test]
 fn nothing_moved_nothing_computed() {
     let catalog = shadowgraph_nodes::catalog();
-    let mut cache = Cache::new();
+    let cache = Cache::new();
     let scene = soft_yard(&[]);
-    let mut keys = |request: &FrameRequest| {
-        let plan =
-            try_plan_with(&scene, request, &catalog, &Adapter::imagined(), &mut cache).expect("a plan");
+    let keys = |request: &FrameRequest| {
+        let plan = try_plan_with(&scene, request, &catalog, &Adapter::imagined(), &cache).expect("a plan");
         let kept: Vec<Option<u64>> =
             plan.slots.iter().map(|slot| slot.kept).filter(Option::is_some).collect();
         (kept, cache.computed())

@@ -12,9 +12,9 @@ fn a_simple_plan_reads_as_follows() {
 const EXPECTED: &str = "\
 frame 64x48: 3 passes, 3 draws, 27856 bytes
   slot 0 'picture' Rgba8UnormSrgb 64x48, 12288 bytes: what was asked for
-  slot 1 'depth' Depth32FloatStencil8 64x48, 15360 bytes: hidden surfaces, and the counts of shadow volumes
-  slot 2 'volume indices of lamp' index buffer, 144 bytes: 4 silhouette edges, and the caps for views that need them
-  slot 3 'volumes of lamp' storage buffer, 64 bytes: where the light is, as each caster sees it, and where its volume ends
+  slot 1 'volume indices of lamp' index buffer, 144 bytes: 4 silhouette edges, and the caps for views that need them
+  slot 2 'volumes of lamp' storage buffer, 64 bytes: where the light is, as each caster sees it, and where its volume ends
+  slot 3 'depth' Depth32FloatStencil8 64x48, 15360 bytes: hidden surfaces, and the counts of shadow volumes
   light lamp: ShadowVolumeHard -> Counts
   pass 'depth prepass': shadows need the visible surface before it is shaded
     depth 'depth' clear 0, stencil clear 32
@@ -56,7 +56,8 @@ fn every_shader_of_a_plan_has_its_entry_points() {
     wanted.picture = PictureFormat::LinearF32;
     let mut checked = 0;
     for plan in [plan(&scene, &wanted), plan(&yard(), &wanted), plan(&shadowed_yard(&[]), &wanted)] {
-        for shader in plan.passes.iter().flat_map(|pass| &pass.draws).filter_map(|draw| draw.shader.as_ref())
+        for shader in
+            plan.passes.iter().flat_map(|pass| &pass.draws).filter_map(|draw| draw.geometry.shader())
         {
             let module = naga::front::wgsl::parse_str(&shader.source).expect("it parses");
             let has =

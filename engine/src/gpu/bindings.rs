@@ -11,6 +11,7 @@ use super::Gpu;
 pub(crate) enum BindKind {
     Storage,
     Texture { sample: SampleKind, array: bool, multisampled: bool },
+    Comparison,
 }
 
 /// How a texture's texels are seen by a shader.
@@ -32,13 +33,28 @@ impl SampleKind {
     }
 }
 
-/// Layouts by what they hold.
+/// Layouts by what they hold, and samplers.
 #[derive(Debug, Default)]
 pub(crate) struct Layouts {
     layouts: HashMap<Vec<(u32, BindKind)>, wgpu::BindGroupLayout>,
+    comparisons: HashMap<wgpu::CompareFunction, wgpu::Sampler>,
 }
 
 impl Layouts {
+    /// The sampler that compares so, and blends linearly between four texels.
+    pub(crate) fn comparison(&mut self, gpu: &Gpu, compare: wgpu::CompareFunction) -> wgpu::Sampler {
+        let made = self.comparisons.entry(compare).or_insert_with(|| {
+            gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("comparison"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                compare: Some(compare),
+                ..Default::default()
+            })
+        });
+        made.clone()
+    }
+
     pub(crate) fn get(&mut self, gpu: &Gpu, kinds: &[(u32, BindKind)]) -> wgpu::BindGroupLayout {
         if let Some(layout) = self.layouts.get(kinds) {
             return layout.clone();
@@ -67,6 +83,7 @@ impl Layouts {
                         },
                         multisampled: *multisampled,
                     },
+                    BindKind::Comparison => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison),
                 },
                 count: None,
             })

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use thiserror::Error;
 
 use super::PixelsError;
+use crate::plan::ShaderError;
 use crate::scene::{Material, SurfaceFunction};
 
 /// Which adapter to use.
@@ -33,6 +34,8 @@ pub enum GpuError {
     Lost { adapter: String, reason: String, remedy: String },
     #[error("adapter '{adapter}' is out of memory: {message}")]
     OutOfMemory { adapter: String, message: String },
+    #[error(transparent)]
+    Compose(#[from] ShaderError),
     #[error("shader '{shader}' is not valid: {message}")]
     Shader { shader: String, message: String },
     #[error("shader '{shader}' makes no pipeline on adapter '{adapter}': {message}")]
@@ -174,9 +177,6 @@ fn open_device(choice: &AdapterChoice) -> Result<(wgpu::Device, wgpu::Queue), Gp
     let info = adapter.get_info();
     let no_device = |reason: String| GpuError::NoDevice { adapter: describe(&info), reason };
     let features = adapter.features() & WANTED;
-    if !features.contains(wgpu::Features::DEPTH32FLOAT_STENCIL8) {
-        return Err(no_device("it lacks DEPTH32FLOAT_STENCIL8, the depth format of shadow volumes".into()));
-    }
     let limits = adapter.limits();
     pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
         label: Some("shadowgraph"),

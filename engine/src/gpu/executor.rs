@@ -92,8 +92,9 @@ pub struct Executor {
     meshes: Meshes,
     materials: Materials,
     frame_layout: wgpu::BindGroupLayout,
-    surface_shaders: HashMap<SurfaceShaderKey, Option<Shader>>,
-    textures: HashMap<TextureKey, Kept<wgpu::Texture>>,
+    surface_shaders: HashMap<SurfaceShaderKey, Shader>,
+    /// For each key as many as slots of one frame had it.
+    textures: HashMap<TextureKey, Vec<Kept<wgpu::Texture>>>,
     kept_textures: KeptTextures,
     buffers: HashMap<(u64, BufferUsage), Kept<wgpu::Buffer>>,
     uploads: u64,
@@ -104,7 +105,7 @@ pub struct Executor {
 /// own function.
 type SurfaceShaderKey = (SurfaceStyle, u32, u32, Option<Arc<SurfaceFunction>>);
 
-/// Textures of equal name, format, size, layers and samples are the same texture from frame to frame.
+/// Textures of equal name, format, size, layers and samples serve one another's slots from frame to frame.
 type TextureKey = (String, TextureFormat, [u32; 2], u32, u32);
 
 #[derive(Debug)]
@@ -274,7 +275,10 @@ impl Executor {
         self.materials.begin_frame();
         self.pipelines.begin_frame();
         let oldest = self.frame.saturating_sub(KEPT_FRAMES);
-        self.textures.retain(|_, kept| kept.last_used_frame >= oldest);
+        for textures in self.textures.values_mut() {
+            textures.retain(|kept| kept.last_used_frame >= oldest);
+        }
+        self.textures.retain(|_, textures| !textures.is_empty());
         self.kept_textures.begin_frame(self.frame, oldest);
         self.buffers.retain(|_, kept| kept.last_used_frame >= oldest);
     }
@@ -283,7 +287,7 @@ impl Executor {
     fn upload_scene(&mut self, plan: &FramePlan, inputs: &FrameInputs<'_>) {
         for draw in plan.passes.iter().flat_map(|pass| &pass.draws) {
             match &draw.geometry {
-                Geometry::Surfaces { parts, .. } => {
+                Geometry::Surfaces { parts, .. } | Geometry::PulledSurfaces { parts, .. } => {
                     for (instance, part) in parts {
                         let instance = &inputs.posed.instances[*instance as usize];
                         self.meshes.upload(&self.gpu, &instance.mesh);
@@ -294,7 +298,7 @@ impl Executor {
                 Geometry::Indexed { instance, .. } => {
                     self.meshes.upload(&self.gpu, &inputs.posed.instances[*instance as usize].mesh);
                 }
-                Geometry::Listed { .. } | Geometry::Procedural { .. } => {}
+                Geometry::IndexedProcedural { .. } | Geometry::Procedural { .. } => {}
             }
         }
     }
@@ -312,12 +316,21 @@ impl Executor {
             slots.push(match &slot.kind {
                 SlotKind::Texture { format, size_px, layers, samples } => {
                     let key = (slot.name.clone(), *format, *size_px, *layers, *samples);
-                    let kept = self.textures.entry(key).or_insert_with(|| Kept {
-                        value: create_texture(&self.gpu, slot, (*format, *size_px, *layers, *samples)),
-                        last_used_frame: frame,
-                    });
-                    kept.last_used_frame = frame;
-                    GpuSlot::Texture(kept.value.clone())
+                    let textures = self.textures.entry(key).or_default();
+                    // Every slot has a texture of its own, whatever others are called.
+                    let free = textures.iter_mut().find(|kept| kept.last_used_frame < frame);
+                    GpuSlot::Texture(match free {
+                        Some(kept) => {
+                            kept.last_used_frame = frame;
+                            kept.value.clone()
+                        }
+                        None => {
+                            let shape = (*format, *size_px, *layers, *samples);
+                            let value = create_texture(&self.gpu, slot, shape);
+                            textures.push(Kept { value: value.clone(), last_used_frame: frame });
+                            value
+                        }
+                    })
                 }
                 SlotKind::Buffer { usage, revision_key, contents } => {
                     let kept = self.buffers.entry((*revision_key, *usage)).or_insert_with(|| {

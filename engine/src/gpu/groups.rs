@@ -31,7 +31,7 @@ pub(crate) fn group_passes(plan: &FramePlan, merge: bool, runs: impl Fn(&Pass) -
                             let kept = &mut group.colors[place];
                             kept.resolve = color.resolve.or(kept.resolve);
                         }
-                        None => group.colors.push(color.clone()),
+                        None => group.colors.push(*color),
                     }
                 }
                 if let (Some(depth), Some(more)) = (&mut group.depth, &pass.depth) {
@@ -43,7 +43,7 @@ pub(crate) fn group_passes(plan: &FramePlan, merge: bool, runs: impl Fn(&Pass) -
             _ => groups.push(PassGroup {
                 passes: index..index + 1,
                 colors: pass.colors.clone(),
-                depth: pass.depth.clone(),
+                depth: pass.depth,
             }),
         }
     }
@@ -65,7 +65,11 @@ fn union(first: Access, second: Access) -> Access {
 fn can_join(plan: &FramePlan, group: &PassGroup, pass: &Pass) -> bool {
     let (Some(depth), Some(more)) = (&group.depth, &pass.depth) else { return false };
     let keeps = |access: Option<Access>| !matches!(access, Some(Access::Clear(_)));
-    if depth.slot != more.slot || !keeps(Some(more.depth)) || !keeps(more.stencil) {
+    if depth.slot != more.slot
+        || depth.layer != more.layer
+        || !keeps(Some(more.depth))
+        || !keeps(more.stencil)
+    {
         return false;
     }
     // A pass's shaders write its first colour at location 0, its second at 1: each must keep that place in the group.
@@ -79,7 +83,8 @@ fn can_join(plan: &FramePlan, group: &PassGroup, pass: &Pass) -> bool {
     }
     // Nothing may be sampled that the merged pass writes.
     let reads = |passes: &[Pass]| -> HashSet<SlotId> {
-        passes.iter().flat_map(|p| &p.draws).flat_map(|d| &d.bindings).map(|(_, b)| b.slot()).collect()
+        let bindings = passes.iter().flat_map(|p| &p.draws).flat_map(|d| &d.bindings);
+        bindings.filter_map(|(_, binding)| binding.resource()).collect()
     };
     let attachments = |colors: &[ColorTarget], depth: &DepthTarget| -> HashSet<SlotId> {
         let written = depth.depth != Access::ReadOnly || depth.stencil.is_some_and(|s| s != Access::ReadOnly);

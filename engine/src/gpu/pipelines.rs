@@ -136,7 +136,7 @@ impl Pipelines {
             Some(entry) => Some((module.clone(), entry.to_string())),
             None if wanted.targets.is_empty() => None,
             None => {
-                let source = shadowgraph_shaders::source("nothing").unwrap_or_default();
+                let source = shadowgraph_shaders::compose_named("nothing", &[])?;
                 let text = self.text(gpu, "nothing", &source.into())?;
                 Some((self.modules[text].clone(), "nothing".to_owned()))
             }

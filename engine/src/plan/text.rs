@@ -87,9 +87,11 @@ impl FramePlan {
         }
         for color in &pass.colors {
             let load = match color.load {
-                Load::Clear(_) => "clear",
-                Load::Keep => "keep",
-                Load::Anything => "whatever it held",
+                Load::Clear(_) => "clear".to_owned(),
+                Load::ClearWithin(_, [x, y, width, height]) => {
+                    format!("clear within {width}x{height}+{x}+{y}")
+                }
+                Load::Keep => "keep".into(),
             };
             write!(f, "    color '{}' layer {} {load}", self.name_of(color.slot), color.layer)?;
             if let Some(resolve) = color.resolve {
@@ -103,7 +105,8 @@ impl FramePlan {
                 Access::Keep => "write".to_owned(),
                 Access::Clear(value) => format!("clear {value}"),
             };
-            write!(f, "    depth '{}' {}", self.name_of(depth.slot), access(depth.depth))?;
+            let layer = if depth.layer > 0 { format!(" layer {}", depth.layer) } else { String::new() };
+            write!(f, "    depth '{}'{layer} {}", self.name_of(depth.slot), access(depth.depth))?;
             match depth.stencil {
                 Some(stencil) => writeln!(f, ", stencil {}", access(stencil))?,
                 None => writeln!(f)?,
@@ -126,16 +129,25 @@ impl FramePlan {
             Geometry::Surfaces { style, parts, .. } => {
                 write!(f, "{style:?} surfaces, {} parts, ", parts.len())?;
             }
-            Geometry::Indexed { .. } | Geometry::Listed { .. } => write!(f, "indexed, ")?,
+            Geometry::PulledSurfaces { style, parts, .. } => {
+                write!(f, "{style:?} surfaces, {} parts, ", parts.len())?;
+            }
+            Geometry::Indexed { .. } | Geometry::IndexedProcedural { .. } => write!(f, "indexed, ")?,
             Geometry::Procedural { .. } => write!(f, "procedural, ")?,
         }
         write!(f, "{} vertices", draw.vertices())?;
-        if let Some(shader) = &draw.shader {
+        if let Some(shader) = draw.geometry.shader() {
             write!(f, " by {}", shader.name)?;
         }
         for (_, binding) in &draw.bindings {
             let aspect = if matches!(binding, Binding::StencilOf(_)) { "stencil of " } else { "" };
-            write!(f, ", reads {aspect}'{}'", self.name_of(binding.slot()))?;
+            match binding.resource() {
+                Some(slot) => write!(f, ", reads {aspect}'{}'", self.name_of(slot))?,
+                None => write!(f, ", compares")?,
+            }
+        }
+        if let Some([x, y, width, height]) = draw.state.viewport_px {
+            write!(f, ", onto {width}x{height}+{x}+{y}")?;
         }
         if let Some([x, y, width, height]) = draw.scissor_px {
             write!(f, ", within {width}x{height}+{x}+{y}")?;

@@ -49,6 +49,12 @@ pub enum PlanError {
         "draw '{draw}' of pass '{pass}' is confined to {scissor:?}, which leaves the {width}x{height} target"
     )]
     ScissorOutside { pass: String, draw: String, scissor: [u32; 4], width: u32, height: u32 },
+    #[error(
+        "draw '{draw}' of pass '{pass}' is spread over {viewport:?}, which leaves the {width}x{height} target"
+    )]
+    ViewportOutside { pass: String, draw: String, viewport: [u32; 4], width: u32, height: u32 },
+    #[error("pass '{pass}' clears '{slot}' within {rectangle:?}, which leaves the {width}x{height} target")]
+    ClearOutside { pass: String, slot: String, rectangle: [u32; 4], width: u32, height: u32 },
     #[error("the factor of light '{light}' is expected in {place}, which no pass writes")]
     FactorNeverWritten { light: String, place: String },
     #[error("nothing writes '{slot}', which the frame is to deliver")]
@@ -85,11 +91,18 @@ impl FramePlan {
                 let stencil_format = format_of(slot).is_some_and(|f| f.has_stencil_aspect());
                 let depth_format = format_of(slot).is_some_and(|f| f.has_depth_aspect());
                 let stencil_alone = stencil_format && !depth_format && depth.depth == Access::ReadOnly;
-                if !(depth_format || stencil_alone) || depth.stencil.is_some() != stencil_format {
-                    return Err(wrong_kind(pass, slot, "a depth attachment with the stated stencil"));
+                let layers = if let SlotKind::Texture { layers, .. } = slot.kind { layers } else { 1 };
+                let has_aspects =
+                    (depth_format || stencil_alone) && depth.stencil.is_some() == stencil_format;
+                if !has_aspects || depth.layer >= layers {
+                    return Err(wrong_kind(
+                        pass,
+                        slot,
+                        "a depth attachment with the stated stencil and layer",
+                    ));
                 }
                 let clears = matches!(depth.depth, Access::Clear(_)) || stencil_alone;
-                if !clears && !written.contains(&(depth.slot, 0)) {
+                if !clears && !written.contains(&(depth.slot, depth.layer)) {
                     return Err(PlanError::MissingClear { pass: pass.name.clone(), slot: slot.name.clone() });
                 }
                 match depth.stencil {
@@ -108,7 +121,7 @@ impl FramePlan {
             self.check_draws(pass, &written)?;
             written.extend(pass.colors.iter().map(|color| (color.slot, color.layer)));
             written.extend(pass.colors.iter().filter_map(|color| Some((color.resolve?, 0))));
-            written.extend(pass.depth.iter().map(|depth| (depth.slot, 0)));
+            written.extend(pass.depth.iter().map(|depth| (depth.slot, depth.layer)));
         }
         self.check_factors(&written)?;
         self.check_counts_resolved()
@@ -133,6 +146,13 @@ impl FramePlan {
             SlotKind::Texture { format, layers, .. }
                 if !format.is_depth_stencil_format() && color.layer < *layers => {}
             _ => return Err(wrong_kind(pass, slot, "a colour attachment with that layer")),
+        }
+        if let Load::ClearWithin(_, rectangle) = color.load {
+            let [width, height] = self.target_size_px(pass);
+            if !contains([0, 0, width, height], rectangle) {
+                let (pass, slot) = (pass.name.clone(), slot.name.clone());
+                return Err(PlanError::ClearOutside { pass, slot, rectangle, width, height });
+            }
         }
         if color.load == Load::Keep && !written.contains(&(color.slot, color.layer)) {
             return Err(PlanError::MissingClear { pass: pass.name.clone(), slot: slot.name.clone() });
@@ -215,7 +235,7 @@ impl FramePlan {
                 self.check_binding(pass, binding, written)?;
             }
             if let Geometry::Indexed { indices, first, count, .. }
-            | Geometry::Listed { indices, first, count, .. } = draw.geometry
+            | Geometry::IndexedProcedural { indices, first, count, .. } = draw.geometry
             {
                 let slot = self.slot_of(pass, indices)?;
                 let SlotKind::Buffer { contents, .. } = &slot.kind else {
@@ -234,18 +254,15 @@ impl FramePlan {
                     });
                 }
             }
-            if let Some(scissor) = draw.scissor_px {
-                let [width, height] = self.target_size_px(pass);
-                let [x, y, w, h] = scissor.map(u64::from);
-                if x + w > u64::from(width) || y + h > u64::from(height) {
-                    return Err(PlanError::ScissorOutside {
-                        pass: pass_name(),
-                        draw: draw_name(),
-                        scissor,
-                        width,
-                        height,
-                    });
-                }
+            let [width, height] = self.target_size_px(pass);
+            let outside = |rectangle: &[u32; 4]| !contains([0, 0, width, height], *rectangle);
+            if let Some(scissor) = draw.scissor_px.filter(outside) {
+                let (pass, draw) = (pass_name(), draw_name());
+                return Err(PlanError::ScissorOutside { pass, draw, scissor, width, height });
+            }
+            if let Some(viewport) = draw.state.viewport_px.filter(outside) {
+                let (pass, draw) = (pass_name(), draw_name());
+                return Err(PlanError::ViewportOutside { pass, draw, viewport, width, height });
             }
         }
         Ok(())
@@ -257,7 +274,7 @@ impl FramePlan {
         binding: &Binding,
         written: &HashSet<(SlotId, u32)>,
     ) -> Result<(), PlanError> {
-        let id = binding.slot();
+        let Some(id) = binding.resource() else { return Ok(()) };
         let slot = self.slot_of(pass, id)?;
         match (&slot.kind, binding) {
             (SlotKind::Buffer { .. }, Binding::Storage(_))
@@ -304,6 +321,8 @@ impl FramePlan {
                 return Err(PlanError::NeverWritten { slot: self.slots[slot.0].name.clone() });
             }
         }
+        let is_written =
+            |slot: Option<SlotId>, layer: u32| slot.is_some_and(|slot| written.contains(&(slot, layer)));
         for light in &self.lights {
             let never = |place: String| PlanError::FactorNeverWritten { light: light.name.clone(), place };
             let images = light.factor_image.iter().chain(&light.layer_factor_images);
@@ -315,15 +334,14 @@ impl FramePlan {
                 match part.at {
                     FactorAt::Counts if !counted => return Err(never("the stencil".into())),
                     FactorAt::Darkening
-                        if !counted
-                            && !written.iter().any(|(slot, _)| self.slots[slot.0].name == "visibility") =>
+                        if !counted && !written.iter().any(|(slot, _)| Some(*slot) == self.visibility) =>
                     {
                         return Err(never("the stencil or the visibility array".into()));
                     }
-                    FactorAt::MaskBit(bit) if !self.is_written("light mask", bit / 32, written) => {
+                    FactorAt::MaskBit(bit) if !is_written(self.light_mask, bit / 32) => {
                         return Err(never(format!("bit {bit} of the light mask")));
                     }
-                    FactorAt::Visibility(layer) if !self.is_written("visibility", layer, written) => {
+                    FactorAt::Visibility(layer) if !is_written(self.visibility, layer) => {
                         return Err(never(format!("layer {layer} of the visibility array")));
                     }
                     _ => {}
@@ -337,10 +355,6 @@ impl FramePlan {
     fn counts(&self, pass: &Pass) -> bool {
         let beside_depth = pass.depth.as_ref().and_then(|depth| format_of(self.slots.get(depth.slot.0)?));
         beside_depth.is_some_and(|format| format.has_depth_aspect()) && writes_stencil(pass)
-    }
-
-    fn is_written(&self, name: &str, layer: u32, written: &HashSet<(SlotId, u32)>) -> bool {
-        written.iter().any(|(slot, l)| *l == layer && self.slots[slot.0].name == name)
     }
 
     /// A draw that sets counts back must cover every draw that counted since the last one.
@@ -392,7 +406,8 @@ fn is_keepable(slot: &Slot) -> bool {
 }
 
 fn contains(outer: [u32; 4], inner: [u32; 4]) -> bool {
-    (0..2).all(|i| outer[i] <= inner[i] && outer[i] + outer[i + 2] >= inner[i] + inner[i + 2])
+    let end = |rectangle: [u32; 4], i: usize| u64::from(rectangle[i]) + u64::from(rectangle[i + 2]);
+    (0..2).all(|i| outer[i] <= inner[i] && end(outer, i) >= end(inner, i))
 }
 
 fn changes(stencil: &super::Stencil) -> bool {

@@ -3,15 +3,22 @@
 use std::any::Any;
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Frames after which an entry nobody asked for is dropped.
 const KEPT_FRAMES: u64 = 8;
 
 /// Results that persist between frames. Keys are hashes of everything a result depends on, so an entry is never
 /// stale: what moved has another key, and what nobody asks for any more is dropped.
+///
+/// A shared reference is enough to use it: what one technique computes may ask for what another has.
 #[derive(Debug, Default)]
 pub struct Cache {
+    store: Mutex<Store>,
+}
+
+#[derive(Debug, Default)]
+struct Store {
     entries: HashMap<(&'static str, u64), Entry>,
     frame: u64,
     computed: u64,
@@ -31,35 +38,48 @@ impl Cache {
 
     /// The value of `kind` for `key`, computed now if it is not there.
     pub fn get_or_compute<T: Any + Send + Sync>(
-        &mut self,
+        &self,
         kind: &'static str,
         key: u64,
         compute: impl FnOnce() -> T,
     ) -> Arc<T> {
-        let frame = self.frame;
-        if let Some(entry) = self.entries.get_mut(&(kind, key)) {
-            entry.last_used_frame = frame;
-            if let Ok(value) = Arc::clone(&entry.value).downcast::<T>() {
-                return value;
-            }
+        if let Some(value) = self.store().get(kind, key).and_then(|value| value.downcast::<T>().ok()) {
+            return value;
         }
+        // Not under the lock: what is computed may ask for more.
         let value = Arc::new(compute());
-        self.computed += 1;
-        let entry = Entry { value: Arc::clone(&value) as Arc<dyn Any + Send + Sync>, last_used_frame: frame };
-        self.entries.insert((kind, key), entry);
+        let mut store = self.store();
+        store.computed += 1;
+        let last_used_frame = store.frame;
+        let entry = Entry { value: Arc::clone(&value) as Arc<dyn Any + Send + Sync>, last_used_frame };
+        store.entries.insert((kind, key), entry);
         value
     }
 
     /// How many values were computed since the cache was made: in a frame in which nothing moved, none.
     pub fn computed(&self) -> u64 {
-        self.computed
+        self.store().computed
     }
 
     /// Marks the beginning of a frame and drops what has not been asked for lately.
-    pub fn begin_frame(&mut self) {
-        self.frame += 1;
-        let oldest = self.frame.saturating_sub(KEPT_FRAMES);
-        self.entries.retain(|_, entry| entry.last_used_frame >= oldest);
+    pub fn begin_frame(&self) {
+        let mut store = self.store();
+        store.frame += 1;
+        let oldest = store.frame.saturating_sub(KEPT_FRAMES);
+        store.entries.retain(|_, entry| entry.last_used_frame >= oldest);
+    }
+
+    /// A panic elsewhere leaves whole entries behind.
+    fn store(&self) -> MutexGuard<'_, Store> {
+        self.store.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Store {
+    fn get(&mut self, kind: &'static str, key: u64) -> Option<Arc<dyn Any + Send + Sync>> {
+        let entry = self.entries.get_mut(&(kind, key))?;
+        entry.last_used_frame = self.frame;
+        Some(Arc::clone(&entry.value))
     }
 }
 

@@ -3,17 +3,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::{LightPlan, LightSize, OptionError, OptionTable, ShadowError};
+use super::{Contribution, LightContext, LightSize, OptionError, OptionTable, PassList, ShadowError};
 use crate::scene::{Instance, Params, ShadowNode};
-
-/// What a technique needs from the adapter.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Requirements {
-    /// Without these it refuses.
-    pub required: wgpu::Features,
-    /// With these it is faster or takes more cases.
-    pub optional: wgpu::Features,
-}
 
 /// Which of the transparent surfaces at a pixel a technique wants its light's factor at, beside the opaque surface.
 /// The widest wish of a light's techniques counts for all of them.
@@ -37,59 +28,45 @@ pub enum Layer {
     FromBehind(u32),
 }
 
+/// What is so of a technique with its options, whatever the scene. The default is a technique for points, of opaque casters,
+/// on opaque surfaces, that says nothing of its error.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Traits {
+    /// The error that is left by design, in one sentence.
+    pub known_error: &'static str,
+    /// How large it takes its lights to be: what its factors are compared with.
+    pub light_size: LightSize,
+    /// How many of [`light_samples`](super::light_samples) its factors are the visible share of, if they are: what it draws
+    /// is then compared sample by sample. `None` where it approximates the whole light.
+    pub light_samples: Option<u32>,
+    /// Whether its casters' transparent surfaces cast through it too, in the colours that they let pass
+    /// ([`Material::transmission_at`](crate::scene::Material::transmission_at)); else they cast nothing.
+    pub casts_transparent: bool,
+    /// On which transparent surfaces its shadows fall: [`ShadowTechnique::plan`] is called once more for each of these
+    /// layers of the picture.
+    pub receiver_layers: Layers,
+    /// Whether it shades the receivers that its node names and nothing else. Everywhere else its factor is 1, and is not
+    /// compared.
+    pub shades_receivers_only: bool,
+}
+
 /// A way to compute shadows.
 ///
 /// Implementations hold their options and nothing else: what persists between frames lives in the
-/// [`Cache`](super::Cache) and in the plan's slots, so a technique leaves no state for its successor.
+/// [`Cache`](super::Cache) and in the plan's slots, so a technique leaves no state for its successor. How it is called stands
+/// in its [`TechniqueEntry`].
 pub trait ShadowTechnique: fmt::Debug + Send + Sync {
-    /// The type name scenes use.
-    fn type_name(&self) -> &'static str;
-
     /// All options with their values.
     fn params(&self) -> Params;
 
-    /// The error that is left by design, in one sentence.
-    fn known_error(&self) -> &'static str;
-
-    /// What it needs from the adapter.
-    fn requirements(&self) -> Requirements {
-        Requirements::default()
-    }
-
-    /// How large it takes its lights to be: what its factors are compared with.
-    fn light_size(&self) -> LightSize {
-        LightSize::NONE
-    }
-
-    /// How many of [`light_samples`](super::light_samples) its factors are the visible share of, if they are: what it draws
-    /// is then compared sample by sample. `None` where it approximates the whole light.
-    fn light_sample_count(&self) -> Option<u32> {
-        None
-    }
-
-    /// Whether its casters' transparent surfaces cast through it too, in the colours that they let pass
-    /// ([`Material::transmission_at`](crate::scene::Material::transmission_at)); else they cast nothing.
-    fn casts_transparent(&self) -> bool {
-        false
-    }
-
-    /// On which transparent surfaces its shadows fall: [`ShadowTechnique::plan`] is called once more for each of these
-    /// layers of the picture.
-    fn receiver_layers(&self) -> Layers {
-        Layers::OpaqueOnly
-    }
+    /// What is so of it, whatever the scene.
+    fn traits(&self) -> Traits;
 
     /// Whether `instance` casts through this technique: `Ok(false)` leaves it to others.
     ///
     /// # Errors
     /// The reason why it would have to cast but cannot.
     fn casts(&self, instance: &Instance) -> Result<bool, String>;
-
-    /// Whether it shades the receivers that its node names and nothing else. Everywhere else its factor is 1, and is not
-    /// compared.
-    fn shades_receivers_only(&self) -> bool {
-        false
-    }
 
     /// Whether `instance` can be a receiver; asked of techniques that shade receivers only.
     ///
@@ -99,11 +76,12 @@ pub trait ShadowTechnique: fmt::Debug + Send + Sync {
         Ok(())
     }
 
-    /// Adds the passes that leave the light's factor in the stencil or in a visibility target.
+    /// Adds the passes to `out` that leave the light's factor in the stencil or in its visibility, and says what they leave.
+    /// What it needs of the adapter it requires of `light` when it needs it, so that no more is asked for than the frame takes.
     ///
     /// # Errors
     /// What the technique refuses, naming node and caster.
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError>;
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError>;
 }
 
 /// A quality setting of a technique: options that reports and tests try beside its defaults.
@@ -175,7 +153,7 @@ impl Catalog {
         self.entries.iter().find(|entry| entry.type_name == name || entry.short_name == name)
     }
 
-    /// Makes the technique that `shadow` asks for; `node` names it in errors.
+    /// Makes the technique that `shadow` asks for, and says how it is called; `node` names it in errors.
     ///
     /// # Errors
     /// [`ShadowError::UnknownTechnique`] lists the known types; [`ShadowError::Option`] what is accepted.
@@ -183,7 +161,7 @@ impl Catalog {
         &self,
         node: &str,
         shadow: &ShadowNode,
-    ) -> Result<Arc<dyn ShadowTechnique>, ShadowError> {
+    ) -> Result<(&'static str, Arc<dyn ShadowTechnique>), ShadowError> {
         let entry =
             self.entries.iter().find(|entry| entry.type_name == shadow.technique).ok_or_else(|| {
                 let known: Vec<&str> = self.entries.iter().map(|entry| entry.type_name).collect();
@@ -193,7 +171,8 @@ impl Catalog {
                     known: known.join(", "),
                 }
             })?;
-        (entry.from_params)(&shadow.params)
-            .map_err(|source| ShadowError::Option { node: node.into(), source })
+        let technique = (entry.from_params)(&shadow.params)
+            .map_err(|source| ShadowError::Option { node: node.into(), source })?;
+        Ok((entry.type_name, technique))
     }
 }

@@ -4,7 +4,7 @@ use thiserror::Error;
 use wgpu::TextureFormat;
 
 use super::OptionError;
-use crate::plan::PlanError;
+use crate::plan::{PlanError, ShaderError};
 
 /// Why a shadow node, or the frame it stands in, was refused. Nothing is drawn in its place.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -64,6 +64,8 @@ pub enum ShadowError {
         "shadow node '{node}' ({technique}) computes one factor for each fragment, in {format:?}; antialias msaa4 needs one for each sample (accepted for it: antialias none, ssaa4)"
     )]
     NotPerSample { node: String, technique: &'static str, format: TextureFormat },
+    #[error(transparent)]
+    Shader(#[from] ShaderError),
     #[error("the frame plan is not valid: {0}")]
     Plan(#[from] PlanError),
 }

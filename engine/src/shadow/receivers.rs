@@ -8,5 +8,9 @@ use crate::scene::{Posed, Scope};
 pub fn receivers_for(posed: &Posed, technique: &dyn ShadowTechnique) -> Scope {
     let receives = posed.instances.iter().filter(|i| i.shadow.receives && technique.receives(i).is_ok());
     let nodes: Vec<_> = receives.map(|instance| instance.node).collect();
-    if technique.shades_receivers_only() && !nodes.is_empty() { Scope::Nodes(nodes) } else { Scope::All }
+    if technique.traits().shades_receivers_only && !nodes.is_empty() {
+        Scope::Nodes(nodes)
+    } else {
+        Scope::All
+    }
 }

@@ -13,6 +13,8 @@ pub struct Claim {
     pub node: String,
     /// Its technique.
     pub technique: Arc<dyn ShadowTechnique>,
+    /// The technique's type name.
+    pub type_name: &'static str,
     /// The technique's type name, and after it every option that is not at its default.
     pub label: String,
     /// Indices into [`Posed::instances`], ascending; none is claimed twice for the same light.
@@ -24,7 +26,7 @@ pub struct Claim {
 impl Claim {
     /// How large the technique takes the light to be: what its part of the factor is compared with.
     pub fn light_size(&self) -> LightSize {
-        self.technique.light_size()
+        self.technique.traits().light_size
     }
 }
 
@@ -48,32 +50,31 @@ impl Registry {
         // For each light, which claim already has which caster.
         let mut taken: Vec<HashMap<usize, usize>> = vec![HashMap::new(); posed.lights.len()];
         for node in &posed.shadow_nodes {
-            let technique = catalog.technique(&node.name, &node.shadow)?;
-            let label = label(catalog, technique.as_ref());
+            let (type_name, technique) = catalog.technique(&node.name, &node.shadow)?;
+            let (label, traits) = (label(catalog, type_name, technique.as_ref()), technique.traits());
             let mut casters = Vec::new();
             for &index in &node.casters {
                 let instance = &posed.instances[index];
                 let casts = technique.casts(instance).map_err(|reason| ShadowError::CasterRefused {
                     node: node.name.clone(),
-                    technique: technique.type_name(),
+                    technique: type_name,
                     caster: instance.name.clone(),
                     reason,
                 })?;
                 if casts {
                     casters.push(index);
                 } else {
-                    let kind = technique.type_name();
                     registry.notes.push(format!(
-                        "'{}' casts nothing through '{}': {kind} leaves surfaces of its kind to other techniques",
+                        "'{}' casts nothing through '{}': {type_name} leaves surfaces of its kind to other techniques",
                         instance.name, node.name
                     ));
                 }
             }
-            let named = node.receivers.iter().filter(|_| technique.shades_receivers_only());
+            let named = node.receivers.iter().filter(|_| traits.shades_receivers_only);
             for instance in named.map(|index| &posed.instances[*index]) {
                 technique.receives(instance).map_err(|reason| ShadowError::ReceiverRefused {
                     node: node.name.clone(),
-                    technique: technique.type_name(),
+                    technique: type_name,
                     receiver: instance.name.clone(),
                     reason,
                 })?;
@@ -86,7 +87,7 @@ impl Registry {
                         None => own.push(caster),
                         // Named twice, counted once.
                         Some(&first) if claims[first].label == label => {}
-                        Some(&first) if claims[first].technique.type_name() == technique.type_name() => {
+                        Some(&first) if claims[first].type_name == type_name => {
                             return Err(ShadowError::OptionsDiffer {
                                 light: posed.lights[light].name.clone(),
                                 caster: posed.instances[caster].name.clone(),
@@ -101,9 +102,9 @@ impl Registry {
                                 light: posed.lights[light].name.clone(),
                                 caster: posed.instances[caster].name.clone(),
                                 first: claims[first].node.clone(),
-                                first_technique: claims[first].technique.type_name(),
+                                first_technique: claims[first].type_name,
                                 second: node.name.clone(),
-                                second_technique: technique.type_name(),
+                                second_technique: type_name,
                             });
                         }
                     }
@@ -112,6 +113,7 @@ impl Registry {
                 claims.push(Claim {
                     node: node.name.clone(),
                     technique: Arc::clone(&technique),
+                    type_name,
                     label: label.clone(),
                     casters: own,
                     receivers: node.receivers.clone(),
@@ -131,7 +133,7 @@ impl Registry {
 
     /// The casters of `light` whose transparent surfaces cast too, ascending.
     pub fn transparent_casters_of(&self, light: usize) -> Vec<usize> {
-        let claims = self.lights[light].iter().filter(|claim| claim.technique.casts_transparent());
+        let claims = self.lights[light].iter().filter(|claim| claim.technique.traits().casts_transparent);
         let mut casters: Vec<usize> = claims.flat_map(|claim| claim.casters.clone()).collect();
         casters.sort_unstable();
         casters
@@ -139,13 +141,16 @@ impl Registry {
 
     /// On which transparent surfaces shadows of `light` fall.
     pub fn receiver_layers(&self, light: usize) -> Layers {
-        self.lights[light].iter().map(|claim| claim.technique.receiver_layers()).max().unwrap_or_default()
+        self.lights[light]
+            .iter()
+            .map(|claim| claim.technique.traits().receiver_layers)
+            .max()
+            .unwrap_or_default()
     }
 }
 
 /// The technique's type name, and every option that differs from what an empty list of options gives.
-fn label(catalog: &Catalog, technique: &dyn ShadowTechnique) -> String {
-    let name = technique.type_name();
+fn label(catalog: &Catalog, name: &str, technique: &dyn ShadowTechnique) -> String {
     let default = catalog.find(name).and_then(|entry| (entry.from_params)(&Params::new()).ok());
     let default = default.map(|technique| technique.params()).unwrap_or_default();
     let options = technique.params().into_iter().filter(|(option, value)| default.get(option) != Some(value));

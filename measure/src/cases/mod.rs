@@ -131,7 +131,7 @@ impl Case {
 
     /// Whether what the case is about casts nothing through this technique, by design.
     pub fn is_left_out_by(&self, technique: &dyn ShadowTechnique) -> bool {
-        self.about == About::Glass && !technique.casts_transparent()
+        self.about == About::Glass && !technique.traits().casts_transparent
     }
 
     /// The frame to ask for.

@@ -77,7 +77,7 @@ impl Sweep {
 
 /// Whether transparent surfaces cast through a technique with default options.
 fn casts_transparent(technique: &TechniqueEntry) -> bool {
-    (technique.from_params)(&Params::new()).is_ok_and(|technique| technique.casts_transparent())
+    (technique.from_params)(&Params::new()).is_ok_and(|technique| technique.traits().casts_transparent)
 }
 
 /// Every sweep. Listing is cheap; scenes are made by [`Sweep::steps`].

@@ -67,13 +67,13 @@ pub fn queries_with(registry: &Registry, converged: u32) -> Vec<LightQuery> {
         let transparent = registry.transparent_casters_of(light);
         let mut query = LightQuery { light, transparent, ..LightQuery::default() };
         for Claim { technique, casters, .. } in claims {
-            let size = technique.light_size();
+            let traits = technique.traits();
+            let size = traits.light_size;
             if size == LightSize::NONE {
                 query.casters.extend(casters);
                 continue;
             }
-            let count = technique.light_sample_count();
-            let samples = count.map_or(Samples::Converged(converged), Samples::Same);
+            let samples = traits.light_samples.map_or(Samples::Converged(converged), Samples::Same);
             match query.sized.iter_mut().find(|part| part.size == size && part.samples == samples) {
                 // One light's casters hide the union of what they hide, however many nodes claim them.
                 Some(part) => part.casters.extend(casters),
@@ -200,7 +200,7 @@ pub(crate) fn on_receivers(registry: &Registry, image: &ReferenceImage) -> Optio
     let mut restricted = None;
     let claims = registry.lights.iter().filter(|claims| !claims.is_empty());
     for (light, claims) in claims.enumerate() {
-        for claim in claims.iter().filter(|claim| claim.technique.shades_receivers_only()) {
+        for claim in claims.iter().filter(|claim| claim.technique.traits().shades_receivers_only) {
             let ReferenceImage { hits, lights, .. } = restricted.get_or_insert_with(|| image.clone());
             let receives = |hit: &Hit| claim.receivers.binary_search(&(hit.instance as usize)).is_ok();
             for (hit, compared) in hits.iter().zip(&mut lights[light].compared) {

@@ -5,13 +5,12 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use shadowgraph_engine::plan::{
-    Binding, BufferUsage, CompareFunction, Draw, DrawState, Geometry, MULTIPLY, Pass, Shader,
-};
+use shadowgraph_engine::plan::{BufferDesc, CompareFunction, DrawState, MULTIPLY, Shader};
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
-    Channels, Layers, LightPlan, LightSize, MAX_ANGLE_DEG, MAX_LIGHT_SAMPLES, MAX_RADIUS_M, Options,
-    ShadowError, ShadowTechnique, TechniqueEntry, hash_of,
+    Binding, Channels, ColorTarget, Contribution, Draw, Geometry, Layers, LightContext, LightSize,
+    MAX_ANGLE_DEG, MAX_LIGHT_SAMPLES, MAX_RADIUS_M, Options, Pass, PassList, ShadowError, ShadowTechnique,
+    TechniqueEntry, Traits, hash_of,
 };
 
 use super::{LightQuery, Reference, Samples, SizedCasters};
@@ -69,44 +68,38 @@ impl ReferenceShadow {
     );
 }
 
-impl ShadowTechnique for ReferenceShadow {
-    fn type_name(&self) -> &'static str {
-        Self::TYPE_NAME
+impl ReferenceShadow {
+    fn light_size(&self) -> LightSize {
+        LightSize::new(self.radius_m, self.angle_deg)
     }
+}
 
+impl ShadowTechnique for ReferenceShadow {
     fn params(&self) -> Params {
         self.to_params()
     }
 
-    fn light_size(&self) -> LightSize {
-        LightSize::new(self.radius_m, self.angle_deg)
-    }
-
-    fn light_sample_count(&self) -> Option<u32> {
-        Some(self.samples)
-    }
-
-    fn known_error(&self) -> &'static str {
-        "none: it is what errors are measured against"
+    fn traits(&self) -> Traits {
+        let receiver_layers = match self.self_shadow {
+            OnTransparent::None => Layers::OpaqueOnly,
+            OnTransparent::Partial => Layers::First,
+            OnTransparent::Full => Layers::All,
+        };
+        Traits {
+            known_error: "none: it is what errors are measured against",
+            light_size: self.light_size(),
+            light_samples: Some(self.samples),
+            casts_transparent: true,
+            receiver_layers,
+            ..Traits::default()
+        }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
         Ok(instance.materials.iter().any(|material| !material.unlit))
     }
 
-    fn casts_transparent(&self) -> bool {
-        true
-    }
-
-    fn receiver_layers(&self) -> Layers {
-        match self.self_shadow {
-            OnTransparent::None => Layers::OpaqueOnly,
-            OnTransparent::Partial => Layers::First,
-            OnTransparent::Full => Layers::All,
-        }
-    }
-
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
         let name = light.light().name.clone();
         let casters: Vec<usize> = light.casters().map(|(index, _)| index).collect();
         let (posed, view) = (light.posed, light.view);
@@ -148,36 +141,23 @@ impl ShadowTechnique for ReferenceShadow {
         // Red, green and blue only where transparent surfaces cast.
         let colored = factors.len() > view.size_px[0] as usize * view.size_px[1] as usize * 4;
         let reason = "traced on the CPU";
-        let slot = light.buffer(&format!("reference of {name}"), BufferUsage::Storage, key, factors, reason);
+        let traced = format!("reference of {name}");
+        let slot = out.buffer(BufferDesc::storage(&traced, key, factors, reason));
         let (channels, flags): (_, &[&str]) =
             if colored { (Channels::Rgb, &["COLORED"]) } else { (Channels::One, &[]) };
-        let target = light.multiply_visibility(channels);
-        if self.light_size().is_wide(light.light().position) {
-            // Samples on the other side of the surface than the eye are dark; those of a point are the engine's business.
-            light.decides_own_shadow();
-        }
         let text = include_str!("technique.wgsl");
-        let source = shadowgraph_shaders::compose(Self::TYPE_NAME, text, flags)
-            .map_err(|error| light.unsupported(error.to_string()))?;
-        light.pass(Pass {
-            name: format!("reference of {name}"),
+        let shader = Shader::written(Self::TYPE_NAME, text, flags, "fullscreen_vertex", Some("traced"))?;
+        let state = DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]);
+        let draw = Draw::new("every pixel", Geometry::fullscreen(shader), state);
+        out.pass(Pass {
+            name: traced,
             reason: "the exact answer, for looking at".into(),
-            colors: vec![target],
+            colors: vec![ColorTarget::VISIBILITY],
             depth: None,
-            draws: vec![Draw {
-                name: "every pixel".into(),
-                shader: Some(Shader {
-                    name: Self::TYPE_NAME.into(),
-                    source: source.into(),
-                    vertex: "fullscreen_vertex".into(),
-                    fragment: Some("traced".into()),
-                }),
-                state: DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]),
-                geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-                bindings: vec![(0, Binding::Storage(slot))],
-                scissor_px: None,
-            }],
+            draws: vec![draw.reading(vec![(0, Binding::Storage(slot))])],
         });
-        Ok(())
+        // Samples on the other side of the surface than the eye are dark; those of a point are the engine's business.
+        let own_shadow = self.light_size().is_wide(light.light().position);
+        Ok(Contribution { own_shadow, ..Contribution::visibility(channels) })
     }
 }

@@ -158,7 +158,7 @@ fn point(entry: &TechniqueEntry, setting: &Setting, outcome: Outcome) -> Result<
         setting: setting.name,
         why: setting.why,
         params,
-        known_error: technique.known_error(),
+        known_error: technique.traits().known_error,
         outcome,
     })
 }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use shadowgraph_engine::geometry::{CastTriangles, GroupMember, layer_groups, max_layers};
 use shadowgraph_engine::plan::STENCIL_AT_REST;
 use shadowgraph_engine::scene::Instance;
-use shadowgraph_engine::shadow::{LightPlan, hash_of};
+use shadowgraph_engine::shadow::{Apply, LightContext, PassList, hash_of};
 
 use super::volume::{CastShape, CasterFacing};
 
@@ -57,10 +57,15 @@ pub struct Groups {
 }
 
 /// Splits `casters` into groups whose counts the stencil can hold, beside what others counted for the light before.
-/// Kept until a caster or the light moves.
-pub fn group_by_layers(light: &mut LightPlan<'_>, casters: &[Caster<'_>]) -> Arc<Groups> {
+/// Kept until a caster or the light moves. `apply` says beside what they are counted.
+pub fn group_by_layers(
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
+    casters: &[Caster<'_>],
+    apply: Apply,
+) -> Arc<Groups> {
     let keys: Vec<u64> = casters.iter().map(|caster| caster.key).collect();
-    let (position, before) = (light.light().position, light.counts_before());
+    let (position, before) = (light.light().position, light.counts_before(apply));
     let groups = light.cache.get_or_compute("layer groups", hash_of((&keys, before)), || {
         let triangles: Vec<CastTriangles<'_>> = casters.iter().map(Caster::triangles).collect();
         let everything: Vec<GroupMember> = (0..casters.len()).map(GroupMember::whole).collect();
@@ -72,7 +77,7 @@ pub fn group_by_layers(light: &mut LightPlan<'_>, casters: &[Caster<'_>]) -> Arc
     });
     if groups.folds {
         let (bound, count) = (groups.bound, groups.groups.len());
-        light.note(format!(
+        out.note(format!(
             "a wider counter for '{}': up to {bound} layers are counted in {count} groups of at most {MAX_GROUP_COUNT}",
             light.light().name
         ));

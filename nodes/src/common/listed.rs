@@ -19,11 +19,9 @@ use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use glam::{DVec2, DVec3, DVec4};
 use shadowgraph_engine::geometry::{LightGrid, LightPlane};
 use shadowgraph_engine::math::{Aabb, facing_sign};
-use shadowgraph_engine::plan::{
-    Binding, BlendState, BufferUsage, CompareFunction, Draw, DrawState, Geometry, Shader,
-};
+use shadowgraph_engine::plan::{BlendState, BufferDesc, CompareFunction, DrawState, Shader, ShaderError};
 use shadowgraph_engine::scene::{ImageKey, Instance, TexCoord, TextureRef};
-use shadowgraph_engine::shadow::{LightPlan, hash_of};
+use shadowgraph_engine::shadow::{Binding, Draw, Geometry, LightContext, PassList, ShadowError, hash_of};
 
 use super::light_lists::light_lists;
 
@@ -239,56 +237,51 @@ impl<T: Pod + Send + Sync, C: Pod> Listed<T, C> {
     /// triangles in the plan's text, `shader` is the one for triangles with a texture, or without.
     pub fn draws(
         &self,
-        light: &mut LightPlan<'_>,
+        (light, out): (&LightContext<'_>, &mut PassList<'_>),
         what: &'static str,
         bounds: &Aabb,
-        shader: impl Fn(bool) -> Shader,
+        shader: impl Fn(bool) -> Result<Shader, ShaderError>,
         blend: BlendState,
-    ) -> Vec<Draw> {
+    ) -> Result<Vec<Draw>, ShadowError> {
         let (name, position) = (light.light().name.clone(), light.light().position);
         let grid = LightGrid::new(position, bounds);
         let view = view(light, grid.planes(), bounds);
-        let storage = |light: &mut LightPlan<'_>, name: &str, key: u64, bytes: Arc<Vec<u8>>, reason: &str| {
-            Binding::Storage(light.buffer(name, BufferUsage::Storage, key, bytes, reason))
+        let mut storage = |name: &str, key: u64, bytes: Arc<Vec<u8>>, reason: &str| {
+            Binding::Storage(out.buffer(BufferDesc::storage(name, key, bytes, reason)))
         };
         let buffer_of = |bytes: &[u8]| (hash_of((what, bytes)), Arc::new(bytes.to_vec()));
         let (key, bytes) = buffer_of(bytes_of(&view));
         let reason = "where the light's grid is, as the eye sees it";
-        let view = storage(light, &format!("grid of {what} of {name}"), key, bytes, reason);
+        let view = storage(&format!("grid of {what} of {name}"), key, bytes, reason);
         let (key, bytes) = buffer_of(cast_slice(&self.casters));
         let reason = format!("where {what} are, as the eye sees them");
-        let casters = storage(light, &format!("{what} casters of {name}"), key, bytes, &reason);
-        let depth = light.receiver_depth();
+        let casters = storage(&format!("{what} casters of {name}"), key, bytes, &reason);
         let mut draws = Vec::new();
         for batch in &self.batches {
             let (bytes, key) = batch_bytes(light, batch, what, &grid, bounds);
-            let part = |light: &mut LightPlan<'_>, part: &str, bytes: &Arc<Vec<u8>>, reason: &str| {
+            let mut part = |part: &str, bytes: &Arc<Vec<u8>>, reason: &str| {
                 let name = format!("{part} of {what} of {name}");
-                storage(light, &name, hash_of((part, key)), Arc::clone(bytes), reason)
+                let (key, contents) = (hash_of((part, key)), Arc::clone(bytes));
+                Binding::Storage(out.buffer(BufferDesc::storage(&name, key, contents, reason)))
             };
             let reason = format!("what {} {what} hide from the light", batch.triangles);
             let mut bindings = vec![
                 (0, view),
-                (1, part(light, "cones", &bytes.cones, &reason)),
-                (2, part(light, "corners", &bytes.triangles, "where these are, and what they wear")),
-                (3, part(light, "lists", &bytes.lists, "which of these a ray to the light may meet")),
-                (4, Binding::Texture(depth)),
+                (1, part("cones", &bytes.cones, &reason)),
+                (2, part("corners", &bytes.triangles, "where these are, and what they wear")),
+                (3, part("lists", &bytes.lists, "which of these a ray to the light may meet")),
+                (4, Binding::Texture(out.receiver_depth())),
                 (6, casters),
             ];
             if let Some(image) = batch.image {
                 let reason = "looked up where light would pass";
-                bindings.push((5, Binding::Texture(light.image(image, reason))));
+                bindings.push((5, Binding::Texture(out.image(image, reason))));
             }
-            draws.push(Draw {
-                name: format!("{} {what}", batch.triangles),
-                shader: Some(shader(batch.image.is_some())),
-                state: DrawState::new(CompareFunction::Always, vec![Some(blend)]),
-                geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-                bindings,
-                scissor_px: None,
-            });
+            let geometry = Geometry::fullscreen(shader(batch.image.is_some())?);
+            let state = DrawState::new(CompareFunction::Always, vec![Some(blend)]);
+            draws.push(Draw::new(format!("{} {what}", batch.triangles), geometry, state).reading(bindings));
         }
-        draws
+        Ok(draws)
     }
 }
 
@@ -301,7 +294,7 @@ struct BatchBytes {
 
 /// The bytes of a batch, and a hash of what they were computed from.
 fn batch_bytes<T: Pod>(
-    light: &mut LightPlan<'_>,
+    light: &LightContext<'_>,
     batch: &Batch<T>,
     what: &'static str,
     grid: &LightGrid,
@@ -329,7 +322,7 @@ fn batch_bytes<T: Pod>(
 }
 
 /// Where the eye is, and the planes the light looks through, to casters within `bounds`.
-fn view(light: &LightPlan<'_>, planes: &[LightPlane], bounds: &Aabb) -> ListView {
+fn view(light: &LightContext<'_>, planes: &[LightPlane], bounds: &Aabb) -> ListView {
     let world_from_view = light.view.camera.world_from_view;
     let rotation = world_from_view.matrix3;
     let short = |v: DVec3| v.as_vec3().to_array();

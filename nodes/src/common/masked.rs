@@ -7,9 +7,11 @@
 
 use bytemuck::{Pod, Zeroable};
 use shadowgraph_engine::math::Aabb;
-use shadowgraph_engine::plan::{BlendState, Pass, Shader};
+use shadowgraph_engine::plan::{BlendState, Shader, ShaderError};
 use shadowgraph_engine::scene::{Instance, Material};
-use shadowgraph_engine::shadow::{Channels, LightPlan, hash_of};
+use shadowgraph_engine::shadow::{
+    Channels, ColorTarget, Contribution, LightContext, Pass, PassList, ShadowError, hash_of,
+};
 
 use super::listed::{Corners, Layout, Listed, Run};
 use crate::layout;
@@ -56,7 +58,14 @@ pub fn layouts() -> [(&'static str, Layout); 2] {
 
 /// Adds the pass that darkens what lies behind the masked triangles of `casters`, if they have any that face or turn
 /// away from the light.
-pub fn cast(light: &mut LightPlan<'_>, casters: &[&Instance]) {
+///
+/// # Errors
+/// What is wrong with a shader.
+pub fn cast(
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
+    casters: &[&Instance],
+) -> Result<Contribution, ShadowError> {
     let mut listed: Listed<MaskedTriangle, MaskedCaster> = Listed::default();
     let position = light.light().position;
     for instance in casters {
@@ -74,35 +83,28 @@ pub fn cast(light: &mut LightPlan<'_>, casters: &[&Instance]) {
         }
     }
     if listed.is_empty() {
-        return;
+        return Ok(Contribution::default());
     }
     let bounds = casters.iter().fold(Aabb::EMPTY, |bounds, caster| bounds.union(&caster.world_bounds));
-    let draws = listed.draws(light, "masked triangles", &bounds, shader, BlendState::REPLACE);
-    let target = light.multiply_visibility(Channels::One);
+    let draws = listed.draws((light, out), "masked triangles", &bounds, shader, BlendState::REPLACE)?;
     let name = &light.light().name;
     let count = listed.parts();
-    light.pass(Pass {
+    out.pass(Pass {
         name: format!("masks of {name}"),
         reason: format!("{count} casters with holes between {name} and the view: asked at every pixel"),
-        colors: vec![target],
+        colors: vec![ColorTarget::VISIBILITY],
         depth: None,
         draws,
     });
+    Ok(Contribution::visibility(Channels::One))
 }
 
-fn shader(textured: bool) -> Shader {
+fn shader(textured: bool) -> Result<Shader, ShaderError> {
     let flags: &[&str] = if textured { &["BASE_COLOR_TEXTURE"] } else { &[] };
-    let source = shadowgraph_shaders::compose_named("masked_volume", flags).unwrap_or_default();
-    let name = if textured { "masked_volume BASE_COLOR_TEXTURE" } else { "masked_volume" };
-    Shader {
-        name: name.into(),
-        source: source.into(),
-        vertex: "fullscreen_vertex".into(),
-        fragment: Some("darken".into()),
-    }
+    Shader::composed("masked_volume", flags, "fullscreen_vertex", Some("darken"))
 }
 
-fn record(light: &LightPlan<'_>, instance: &Instance, material: &Material) -> MaskedCaster {
+fn record(light: &LightContext<'_>, instance: &Instance, material: &Material) -> MaskedCaster {
     let center = instance.world_bounds.center();
     MaskedCaster {
         center: (center - light.view.camera.world_from_view.translation).as_vec3().to_array(),

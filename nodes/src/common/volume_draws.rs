@@ -6,10 +6,10 @@ use std::sync::Arc;
 use shadowgraph_engine::geometry::GroupMember;
 use shadowgraph_engine::math::Projection;
 use shadowgraph_engine::plan::{
-    Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, BufferUsage, CompareFunction, Draw,
-    DrawState, Geometry, Shader, SlotId,
+    BlendComponent, BlendFactor, BlendOperation, BlendState, BufferDesc, CompareFunction, DrawState,
+    Resource, Shader, ShaderError,
 };
-use shadowgraph_engine::shadow::{LightPlan, hash_of};
+use shadowgraph_engine::shadow::{Binding, Draw, Geometry, LightContext, PassList, hash_of};
 
 use super::beside_light::CutVertex;
 use super::extrusion::End;
@@ -30,6 +30,8 @@ pub struct Volume<'a> {
     /// surfaces are, and those that see a part of a light with a size: there the view leaves a volume at the very depth of
     /// what it sees, and has left it.
     pub falls_on_itself: bool,
+    /// Where the sides begin through which the view enters it.
+    pub begin: Begin,
     /// Where it ends.
     pub end: End,
     /// Whether depths beyond near and far are clamped.
@@ -41,11 +43,6 @@ pub struct Volume<'a> {
 }
 
 impl Volume<'_> {
-    /// Where the sides begin through which the view enters it.
-    fn begin(&self) -> Begin {
-        if self.half == Half::Unlit || self.falls_on_itself { Begin::Ahead } else { Begin::Behind }
-    }
-
     /// The caster's name and what was chosen for it.
     pub fn name(&self) -> String {
         let mode = match self.half {
@@ -65,8 +62,14 @@ impl Volume<'_> {
 
 /// Whether the volumes of a light are to leave alone what lies in their own caps' planes and is turned away from it: see
 /// [`Volume::falls_on_itself`].
-pub fn falls_on_itself(light: &LightPlan<'_>) -> bool {
+pub fn falls_on_itself(light: &LightContext<'_>) -> bool {
     light.layer().is_some() || light.has_size()
+}
+
+/// Where a volume of `half` a caster's triangles begins: ahead for what may be seen from behind and is not dark for that. (What
+/// sees a part of a light with a size, turned away from its centre, may lie in the very plane of a side.)
+pub fn begin_of(light: &LightContext<'_>, half: Half) -> Begin {
+    if half == Half::Unlit || light.layer().is_some() { Begin::Ahead } else { Begin::Behind }
 }
 
 /// Where shaders find cut vertices.
@@ -74,10 +77,10 @@ const CUTS_BINDING: u32 = 4;
 
 /// The buffers of one light's volumes.
 pub struct Buffers {
-    index_slot: SlotId,
-    records: SlotId,
+    index_slot: Resource,
+    records: Resource,
     /// Vertices that are none of any mesh's, where lamps all but touch casters.
-    cuts: Option<SlotId>,
+    cuts: Option<Resource>,
     /// For each record: where its indices begin, and their runs.
     indices: Vec<(u32, Arc<VolumeIndices>)>,
     /// How far caps are moved, in last digits of the largest depth of a triangle.
@@ -86,7 +89,8 @@ pub struct Buffers {
 
 /// Uploads the indices and records of `groups`, of which every member is a caster's number in `volumes`.
 pub fn upload(
-    light: &mut LightPlan<'_>,
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
     volumes: &[Volume<'_>],
     groups: &[Vec<GroupMember>],
     weights: Weights,
@@ -100,7 +104,7 @@ pub fn upload(
     for member in groups.iter().flatten() {
         let volume = &volumes[member.caster];
         let Volume { caster: Caster { index, instance, shape, key, facing }, end, .. } = volume;
-        let listed = (weights, volume.begin());
+        let listed = (weights, volume.begin);
         let key = hash_of((key, &member.triangles, listed, matches!(end, End::Reach(_))));
         let runs = light.cache.get_or_compute("volume indices", key, || {
             let triangles = member.triangles.as_ref().unwrap_or(&facing.cast);
@@ -124,23 +128,21 @@ pub fn upload(
     });
     let edges: usize = indices.iter().map(|(_, runs)| runs.silhouette_edges).sum();
     let reason = format!("{edges} silhouette edges, and the caps for views that need them");
-    let index_slot =
-        light.buffer(&format!("volume indices of {name}"), BufferUsage::Index, key, bytes, &reason);
+    let index_slot = out.buffer(BufferDesc::index(&format!("volume indices of {name}"), key, bytes, &reason));
     let bytes: &[u8] = bytemuck::cast_slice(&records);
     let key = hash_of(("volumes", bytes));
-    let records = light.buffer(
+    let records = out.buffer(BufferDesc::storage(
         &format!("volumes of {name}"),
-        BufferUsage::Storage,
         key,
         Arc::new(bytes.to_vec()),
         "where the light is, as each caster sees it, and where its volume ends",
-    );
+    ));
     let cuts = (!cuts.is_empty()).then(|| {
         let bytes: &[u8] = bytemuck::cast_slice(&cuts);
         let reason =
             format!("{} places where edges and faces are cut that the light all but touches", cuts.len());
         let (key, contents) = (hash_of(("cut vertices", bytes)), Arc::new(bytes.to_vec()));
-        light.buffer(&format!("cut vertices of {name}"), BufferUsage::Storage, key, contents, &reason)
+        out.buffer(BufferDesc::storage(&format!("cut vertices of {name}"), key, contents, &reason))
     });
     Buffers { index_slot, records, cuts, indices, cap_bias: cap_bias(&light.view.camera.projection) }
 }
@@ -243,7 +245,7 @@ pub fn runs(volume: &Volume<'_>, indices: &VolumeIndices) -> Vec<Run> {
         // those of what is seen from behind and not dark, which the view leaves through a cap that is moved ahead. (A
         // side taken to be before what it touches only adds to a count there: it cannot cancel another's, and a move of
         // the receiver by the ambiguity band's ulps would put it in the volume.)
-        let begins_ahead = volume.begin() == Begin::Ahead;
+        let begins_ahead = volume.begin == Begin::Ahead;
         let how = if begins_ahead { How { faces: Faces::Leaving, ..how } } else { how };
         wanted.push((&side.near, how));
         if !meets_at_infinity {
@@ -294,34 +296,32 @@ fn entered_and_left((run, how): (&Range<u32>, How)) -> [(&Range<u32>, How); 2] {
 }
 
 /// The draws of one volume, each with the shader (of these flags) and state that `counting` says for how it counts.
+///
+/// # Errors
+/// What is wrong with a shader.
 pub fn volume_draws(
     volume: &Volume<'_>,
     record: u32,
     buffers: &Buffers,
-    counting: impl Fn(How, &[&str]) -> (Shader, DrawState),
-) -> Vec<Draw> {
+    counting: impl Fn(How, &[&str]) -> Result<(Shader, DrawState), ShaderError>,
+) -> Result<Vec<Draw>, ShaderError> {
     let flags: &[&str] = if buffers.cuts.is_some() { &["CUT_EDGES"] } else { &[] };
     let cuts = buffers.cuts.map(|cuts| (CUTS_BINDING, Binding::Storage(cuts)));
     let bindings: Vec<_> = [(1, Binding::Storage(buffers.records))].into_iter().chain(cuts).collect();
     let (first, indices) = &buffers.indices[record as usize];
     let draw = |run: Run| {
-        let (shader, mut state) = counting(run.how, flags);
+        let (shader, mut state) = counting(run.how, flags)?;
         state.depth_clamp = volume.clamp_depth;
         state.depth_bias = run.how.depth_bias(buffers.cap_bias);
-        Draw {
-            name: volume.name(),
-            shader: Some(shader),
-            state,
-            geometry: Geometry::Indexed {
-                instance: volume.caster.index as u32,
-                indices: buffers.index_slot,
-                first: first + run.start,
-                count: run.end - run.start,
-                record,
-            },
-            bindings: bindings.clone(),
-            scissor_px: None,
-        }
+        let geometry = Geometry::Indexed {
+            shader,
+            instance: volume.caster.index as u32,
+            indices: buffers.index_slot,
+            first: first + run.start,
+            count: run.end - run.start,
+            record,
+        };
+        Ok(Draw::new(volume.name(), geometry, state).reading(bindings.clone()))
     };
     runs(volume, indices).into_iter().map(draw).collect()
 }

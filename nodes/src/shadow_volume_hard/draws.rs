@@ -1,22 +1,20 @@
 //! How volumes are counted in the stencil.
 
 use shadowgraph_engine::plan::{
-    CompareFunction, DepthTarget, Draw, DrawState, Geometry, Pass, STENCIL_AT_REST, Shader, Stencil,
-    StencilFaceState, StencilOperation,
+    CompareFunction, DrawState, STENCIL_AT_REST, Shader, ShaderError, Stencil, StencilFaceState,
+    StencilOperation,
 };
-use shadowgraph_engine::shadow::LightPlan;
+use shadowgraph_engine::shadow::{DepthTarget, Draw, Geometry, LightContext, Pass};
 
 use crate::common::volume_draws::{Buffers, Faces, How, Volume, float_state, volume_draws};
 
-/// A shader of this technique's own; its text is checked by a test, so composing it cannot fail.
-pub(super) fn volume_shader(vertex: &'static str, fragment: Option<&'static str>, flags: &[&str]) -> Shader {
-    let source = shadowgraph_shaders::compose_named("shadow_volume_hard", flags).unwrap_or_default();
-    Shader {
-        name: [&["shadow_volume_hard"], flags].concat().join(" ").into(),
-        source: source.into(),
-        vertex: vertex.into(),
-        fragment: fragment.map(Into::into),
-    }
+/// A shader of this technique's own.
+pub(super) fn volume_shader(
+    vertex: &'static str,
+    fragment: Option<&'static str>,
+    flags: &[&str],
+) -> Result<Shader, ShaderError> {
+    Shader::composed("shadow_volume_hard", flags, vertex, fragment)
 }
 
 /// What counts.
@@ -36,7 +34,7 @@ pub(super) fn counting_draws(
     record: u32,
     buffers: &Buffers,
     counter: Counter,
-) -> Vec<Draw> {
+) -> Result<Vec<Draw>, ShaderError> {
     volume_draws(volume, record, buffers, |how, flags| {
         let state = match counter {
             Counter::AllBits => stencil_state(volume.z_fail, how, 0xff),
@@ -48,7 +46,7 @@ pub(super) fn counting_draws(
             Some(true) => "count_front",
             Some(false) => "count_back",
         });
-        (volume_shader("vertex", fragment, flags), state)
+        Ok((volume_shader("vertex", fragment, flags)?, state))
     })
 }
 
@@ -91,7 +89,7 @@ pub(super) enum Fold {
 }
 
 /// A draw over the whole target that does one fold.
-fn fold_draw(fold: Fold) -> Draw {
+fn fold_draw(fold: Fold) -> Result<Draw, ShaderError> {
     // A comparison has the reference on its left, as much of it as is read.
     let (compare, read_mask, write_mask, reference) = match fold {
         Fold::Large => (CompareFunction::Equal, !COUNT_BITS, 0xff, FOLDED),
@@ -106,25 +104,19 @@ fn fold_draw(fold: Fold) -> Draw {
     };
     let mut state = DrawState::new(CompareFunction::Always, vec![]);
     state.stencil = Some(Stencil { front: face, back: face, read_mask, write_mask, reference });
-    Draw {
-        name: "fold".into(),
-        shader: Some(volume_shader("fullscreen_vertex", None, &[])),
-        state,
-        geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-        bindings: vec![],
-        scissor_px: None,
-    }
+    let shader = volume_shader("fullscreen_vertex", None, &[])?;
+    Ok(Draw::new("fold", Geometry::fullscreen(shader), state))
 }
 
 /// The pass between two groups, or before the first.
-pub(super) fn fold_pass(light: &LightPlan<'_>, depth: &DepthTarget, folds: &[Fold]) -> Pass {
-    Pass {
+pub(super) fn fold_pass(light: &LightContext<'_>, folds: &[Fold]) -> Result<Pass, ShaderError> {
+    Ok(Pass {
         name: format!("fold counts of {}", light.light().name),
         reason:
             "more layers than the stencil can count at once: dark stays dark while the counter starts again"
                 .into(),
         colors: vec![],
-        depth: Some(depth.clone()),
-        draws: folds.iter().copied().map(fold_draw).collect(),
-    }
+        depth: Some(DepthTarget::COUNT),
+        draws: folds.iter().copied().map(fold_draw).collect::<Result<_, _>>()?,
+    })
 }

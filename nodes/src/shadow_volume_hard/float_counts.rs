@@ -9,10 +9,12 @@
 
 use shadowgraph_engine::geometry::GroupMember;
 use shadowgraph_engine::plan::{
-    Binding, BlendState, ColorTarget, CompareFunction, Draw, DrawState, Geometry, Load, Pass, SlotId,
-    TextureFormat,
+    BlendState, CompareFunction, DrawState, Load, Resource, ShaderError, TextureDesc, TextureFormat,
 };
-use shadowgraph_engine::shadow::{Channels, Features, LightPlan, ShadowError};
+use shadowgraph_engine::shadow::{
+    Binding, Channels, ColorTarget, Contribution, DepthTarget, Draw, Features, Geometry, LightContext, Pass,
+    PassList, ShadowError,
+};
 
 use super::draws::{Counter, counting_draws, volume_shader};
 use super::{Reach, ShadowVolumeHard, volumes_pass};
@@ -23,7 +25,7 @@ use crate::common::volume_draws::{Volume, upload};
 /// Layers between every pixel and a light, for techniques that add fractions to them.
 pub(crate) struct Layers<'a> {
     /// The target of one channel in which they were counted.
-    pub(crate) counts: SlotId,
+    pub(crate) counts: Resource,
     /// The casters that were counted, with the triangles that cast.
     pub(crate) casters: Vec<Caster<'a>>,
 }
@@ -36,14 +38,15 @@ impl ShadowVolumeHard {
     /// What the options do not accept.
     pub(crate) fn count_layers<'a>(
         &self,
-        light: &mut LightPlan<'a>,
+        light: &LightContext<'a>,
+        out: &mut PassList<'_>,
     ) -> Result<Option<Layers<'a>>, ShadowError> {
-        let volumes = self.volumes(light, Reach::BeyondShadow)?;
+        let volumes = self.volumes(light, out, Reach::BeyondShadow)?.volumes;
         if volumes.is_empty() {
             return Ok(None);
         }
         let fractions = light.features.contains(Features::FLOAT32_BLENDABLE);
-        let counts = count(light, &volumes, fractions)?;
+        let counts = count(light, out, &volumes, fractions)?;
         Ok(Some(Layers { counts, casters: volumes.into_iter().map(|volume| volume.caster).collect() }))
     }
 }
@@ -54,36 +57,38 @@ const MAX_IN_HALF: u64 = 1 << 11;
 const MAX_IN_FLOAT: u64 = 1 << 24;
 
 /// Counts in a float target and darkens the light's visibility where the count is not zero.
-pub(super) fn count_in_float(light: &mut LightPlan<'_>, volumes: &[Volume<'_>]) -> Result<(), ShadowError> {
-    let counts = count(light, volumes, false)?;
+pub(super) fn count_in_float(
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
+    volumes: &[Volume<'_>],
+) -> Result<Contribution, ShadowError> {
+    let counts = count(light, out, volumes, false)?;
     let name = light.light().name.clone();
-    let target = light.multiply_visibility(Channels::One);
-    light.pass(Pass {
+    let shader = volume_shader("fullscreen_vertex", Some("darken_counted"), &[])?;
+    let state = DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]);
+    let draw = Draw::new("darken", Geometry::fullscreen(shader), state);
+    out.pass(Pass {
         name: format!("darken {name}"),
         reason: "where its count is not zero, nothing of the light is left".into(),
-        colors: vec![target],
+        colors: vec![ColorTarget::VISIBILITY],
         depth: None,
-        draws: vec![Draw {
-            name: "darken".into(),
-            shader: Some(volume_shader("fullscreen_vertex", Some("darken_counted"), &[])),
-            state: DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]),
-            geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-            bindings: vec![(2, Binding::Texture(counts))],
-            scissor_px: None,
-        }],
+        draws: vec![draw.reading(vec![(2, Binding::Texture(counts))])],
     });
-    Ok(())
+    Ok(Contribution::visibility(Channels::One))
 }
 
 /// Counts in a target of its own: in the smallest format that holds the sums, or in a float that holds `fractions` too.
-fn count(light: &mut LightPlan<'_>, volumes: &[Volume<'_>], fractions: bool) -> Result<SlotId, ShadowError> {
+fn count(
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
+    volumes: &[Volume<'_>],
+    fractions: bool,
+) -> Result<Resource, ShadowError> {
     let everything: Vec<GroupMember> = (0..volumes.len()).map(GroupMember::whole).collect();
-    let buffers = upload(light, volumes, &[everything], Weights::Apart);
-    let draws: Vec<Draw> = volumes
-        .iter()
-        .zip(0..)
-        .flat_map(|(volume, record)| counting_draws(volume, record, &buffers, Counter::Float))
-        .collect();
+    let buffers = upload(light, out, volumes, &[everything], Weights::Apart);
+    let draws = volumes.iter().zip(0..);
+    let draws = draws.map(|(volume, record)| counting_draws(volume, record, &buffers, Counter::Float));
+    let draws = draws.collect::<Result<Vec<_>, ShaderError>>()?.concat();
     let largest: u64 =
         draws.iter().map(|draw| draw.vertices() / 3 * draw.state.blend_constant[0].abs() as u64).sum();
     let format = if fractions {
@@ -93,14 +98,15 @@ fn count(light: &mut LightPlan<'_>, volumes: &[Volume<'_>], fractions: bool) -> 
     };
     let name = light.light().name.clone();
     let reason = format!("sums of up to {largest}, whatever the order of drawing");
-    let counts = light.texture(&format!("counts of {name}"), format, light.view.size_px, 1, &reason);
-    let target = ColorTarget { slot: counts, layer: 0, load: Load::Clear([0.0; 4]), resolve: None };
-    light.pass(volumes_pass(light, volumes.len(), vec![target], light.test_depth(), draws));
+    let desc = TextureDesc::new(&name, format, light.view.size_px, &reason);
+    let counts = out.texture(TextureDesc { name: &format!("counts of {name}"), ..desc });
+    let target = ColorTarget::new(counts, Load::Clear([0.0; 4]));
+    out.pass(volumes_pass(light, volumes.len(), vec![target], DepthTarget::TEST, draws));
     Ok(counts)
 }
 
 /// The smallest format that holds every integer up to `largest`.
-fn format_for(light: &LightPlan<'_>, largest: u64) -> Result<TextureFormat, ShadowError> {
+fn format_for(light: &LightContext<'_>, largest: u64) -> Result<TextureFormat, ShadowError> {
     match largest {
         ..=MAX_IN_HALF => Ok(TextureFormat::R16Float),
         sum if sum <= MAX_IN_FLOAT => {

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use glam::DVec3;
 use shadowgraph_engine::math::{Aabb, Projection};
-use shadowgraph_engine::plan::{Binding, BufferUsage};
+use shadowgraph_engine::plan::BufferDesc;
 use shadowgraph_engine::scene::Instance;
-use shadowgraph_engine::shadow::{LightPlan, ShadowError, hash_of};
+use shadowgraph_engine::shadow::{Binding, LightContext, PassList, ShadowError, hash_of};
 
 use super::chain::{CasterChain, LightBall};
 use super::chains::{Chains, SoftCluster};
@@ -98,7 +98,11 @@ impl Gathered {
 impl ShadowVolumeSoft {
     /// Gathers what casts for this light. Without casters, what is left is the light itself, which surfaces still see
     /// partly beyond their horizon.
-    pub(super) fn gather(&self, light: &mut LightPlan<'_>) -> Result<Gathered, ShadowError> {
+    pub(super) fn gather(
+        &self,
+        light: &LightContext<'_>,
+        out: &mut PassList<'_>,
+    ) -> Result<Gathered, ShadowError> {
         let ball = self.ball(light);
         let mut left_out = Vec::new();
         let mut chains: Vec<(Arc<CasterChain>, u64)> = Vec::new();
@@ -136,9 +140,9 @@ impl ShadowVolumeSoft {
             bounds = bounds.union(&instance.world_bounds);
             chains.push((chain, key));
         }
-        note_left_out(light, &left_out);
+        note_left_out(light, out, &left_out);
         if chains.is_empty() {
-            return self.bind(light, None);
+            return self.bind(light, out, None);
         }
         let receivers = light.posed.world_bounds;
         let keys: Vec<u64> = chains.iter().map(|(_, key)| *key).collect();
@@ -158,11 +162,11 @@ impl ShadowVolumeSoft {
             let grid = SoftGrid::new(ball, &bounds, &receivers, eye_m);
             Chains::new(grid, chains.iter().map(|(chain, _)| chain.as_ref()))
         });
-        self.bind(light, Some((&gathered, key)))
+        self.bind(light, out, Some((&gathered, key)))
     }
 
     /// The light as a ball that holds every disc it is seen as from further away than two radii.
-    fn ball(&self, light: &LightPlan<'_>) -> LightBall {
+    fn ball(&self, light: &LightContext<'_>) -> LightBall {
         let (position, size) = (light.light().position, self.size());
         let radius = if position.w == 0.0 { size.half_angle_rad.tan() } else { size.radius_m * LARGEST_DISC };
         LightBall { position, radius }
@@ -171,7 +175,7 @@ impl ShadowVolumeSoft {
     /// Whether a caster may hide part of the light from something in view.
     fn may_matter(
         &self,
-        light: &LightPlan<'_>,
+        light: &LightContext<'_>,
         ball: &LightBall,
         instance: &Instance,
     ) -> Result<(), &'static str> {
@@ -192,7 +196,7 @@ impl ShadowVolumeSoft {
     /// Which of its triangles the caster casts with.
     fn half(
         &self,
-        light: &LightPlan<'_>,
+        light: &LightContext<'_>,
         ball: &LightBall,
         instance: &Instance,
         shape: &CastShape<'_>,
@@ -243,18 +247,18 @@ impl ShadowVolumeSoft {
     /// Adds what the shaders read to the plan; without casters, what is left is the light itself.
     pub(super) fn bind(
         &self,
-        light: &mut LightPlan<'_>,
+        light: &LightContext<'_>,
+        out: &mut PassList<'_>,
         chains: Option<(&Chains, u64)>,
     ) -> Result<Gathered, ShadowError> {
         let name = light.light().name.clone();
         let head = Arc::new(bytes_of(&self.head(light, chains.map(|(chains, _)| chains))).to_vec());
-        let storage =
-            |light: &mut LightPlan<'_>, what: &str, key: u64, bytes: &Arc<Vec<u8>>, reason: &str| {
-                let name = format!("{what} of {name}");
-                light.buffer(&name, BufferUsage::Storage, hash_of((what, key)), Arc::clone(bytes), reason)
-            };
+        let storage = |out: &mut PassList<'_>, what: &str, key: u64, bytes: &Arc<Vec<u8>>, reason: &str| {
+            let (name, key) = (format!("{what} of {name}"), hash_of((what, key)));
+            out.buffer(BufferDesc::storage(&name, key, Arc::clone(bytes), reason))
+        };
         let reason = "where the light is, as the eye sees it, and how it looks at casters";
-        let slot = storage(light, "soft light", hash_of(&head), &head, reason);
+        let slot = storage(out, "soft light", hash_of(&head), &head, reason);
         let mut bindings = vec![(0, Binding::Storage(slot))];
         let mut gathered = Gathered::default();
         if let Some((chains, key)) = chains {
@@ -263,14 +267,9 @@ impl ShadowVolumeSoft {
                 (2, "soft triangles", &chains.triangles, "what hides the light's centre"),
                 (3, "soft lists", &chains.lists, "which of these matter where"),
             ] {
-                let slot = storage(light, what, key, bytes, reason);
-                let packed = packed(
-                    light,
-                    &format!("{what} of {name}"),
-                    slot,
-                    bytes.len(),
-                    Some(hash_of((what, key))),
-                )?;
+                let slot = storage(out, what, key, bytes, reason);
+                let (name, key) = (format!("{what} of {name}"), hash_of((what, key)));
+                let packed = packed(light, out, &name, (slot, bytes.len()), Some(key))?;
                 bindings.push((binding, Binding::Texture(packed)));
             }
             if chains.centers.len() > 1 {
@@ -278,8 +277,9 @@ impl ShadowVolumeSoft {
                     chains.centers.iter().map(|center| from_eye(light, *center)).collect();
                 let centers = Arc::new(cast_slice(&centers).to_vec());
                 let reason = "where casters are, as the eye sees them";
-                let slot = storage(light, "soft centers", hash_of(&centers), &centers, reason);
-                let packed = packed(light, &format!("soft centers of {name}"), slot, centers.len(), None)?;
+                let slot = storage(out, "soft centers", hash_of(&centers), &centers, reason);
+                let packed =
+                    packed(light, out, &format!("soft centers of {name}"), (slot, centers.len()), None)?;
                 bindings.push((5, Binding::Texture(packed)));
             }
             gathered.clusters = chains.near_clusters > 0 || self.may_be_close(light);
@@ -287,15 +287,15 @@ impl ShadowVolumeSoft {
                 let reason = "triangles that receivers ask at the light";
                 bindings.push((
                     4,
-                    Binding::Storage(storage(light, "soft clusters", key, &chains.clusters, reason)),
+                    Binding::Storage(storage(out, "soft clusters", key, &chains.clusters, reason)),
                 ));
             }
             gathered.beside = !chains.beside.is_empty();
             if gathered.beside {
                 let reason = "triangles as a light sees them that all but touches a caster";
-                let slot = storage(light, "beside the soft light", key, &chains.beside, reason);
+                let slot = storage(out, "beside the soft light", key, &chains.beside, reason);
                 let (name, key) = (format!("beside {name}"), hash_of(("beside the soft light", key)));
-                let packed = packed(light, &name, slot, chains.beside.len(), Some(key))?;
+                let packed = packed(light, out, &name, (slot, chains.beside.len()), Some(key))?;
                 bindings.push((8, Binding::Texture(packed)));
             }
             gathered.casters = chains.centers.len();
@@ -303,19 +303,19 @@ impl ShadowVolumeSoft {
             gathered.longest_lists = chains.longest_lists;
             gathered.triangles = chains.triangle_count;
         }
-        bindings.push((6, Binding::Texture(light.receiver_depth())));
-        bindings.push((7, Binding::Texture(light.receiver_planes())));
+        bindings.push((6, Binding::Texture(out.receiver_depth())));
+        bindings.push((7, Binding::Texture(out.receiver_planes())));
         Ok(Gathered { bindings, on_layer: light.layer().is_some(), ..gathered })
     }
 
     /// Whether something in view may receive so close to the light that lists do not hold there.
-    fn may_be_close(&self, light: &LightPlan<'_>) -> bool {
+    fn may_be_close(&self, light: &LightContext<'_>) -> bool {
         let position = light.light().position;
         position.w > 0.0
             && light.view.receiver_bounds.distance(position.truncate()) < 2.0 * self.radius_m * (1.0 + 1e-6)
     }
 
-    fn head(&self, light: &LightPlan<'_>, chains: Option<&Chains>) -> SoftHead {
+    fn head(&self, light: &LightContext<'_>, chains: Option<&Chains>) -> SoftHead {
         let world_from_view = light.view.camera.world_from_view;
         let (rotation, eye) = (world_from_view.matrix3, world_from_view.translation);
         let short = |v: DVec3| v.as_vec3().to_array();
@@ -359,7 +359,7 @@ impl ShadowVolumeSoft {
 }
 
 /// From the eye to `center`, and how far that is.
-fn from_eye(light: &LightPlan<'_>, center: DVec3) -> [f32; 4] {
+fn from_eye(light: &LightContext<'_>, center: DVec3) -> [f32; 4] {
     let center = (center - light.view.camera.world_from_view.translation).as_vec3();
     center.extend(center.length()).to_array()
 }

@@ -19,40 +19,52 @@
 //! light than two of its radii ask all triangles.
 
 use shadowgraph_engine::plan::Shader;
-use shadowgraph_engine::shadow::{LightPlan, ShadowError};
+use shadowgraph_engine::shadow::{Contribution, LightContext, PassList, ShadowError};
 
 use super::ShadowVolumeSoft;
 use super::gather::Gathered;
 use super::marked::mark_and_ask;
 
 impl ShadowVolumeSoft {
-    pub(super) fn plan_per_receiver(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        let gathered = self.gather(light)?;
-        self.ask(light, gathered);
-        Ok(())
+    pub(super) fn plan_per_receiver(
+        &self,
+        light: &LightContext<'_>,
+        out: &mut PassList<'_>,
+    ) -> Result<Contribution, ShadowError> {
+        let gathered = self.gather(light, out)?;
+        ask(light, out, gathered)
     }
 
     /// Adds what receivers see of the light beyond their horizon, whatever casts: nothing to ask of transparent surfaces, which
     /// have none.
-    pub(super) fn plan_horizon(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        if light.layer().is_none() {
-            let gathered = self.bind(light, None)?;
-            self.ask(light, gathered);
+    pub(super) fn plan_horizon(
+        &self,
+        light: &LightContext<'_>,
+        out: &mut PassList<'_>,
+    ) -> Result<Contribution, ShadowError> {
+        if light.layer().is_some() {
+            return Ok(Contribution::default());
         }
-        Ok(())
+        let gathered = self.bind(light, out, None)?;
+        ask(light, out, gathered)
     }
+}
 
-    fn ask(&self, light: &mut LightPlan<'_>, gathered: Gathered) {
-        let flags = flags_of(&gathered);
-        let Gathered { bindings, casters, edges, triangles, .. } = gathered;
-        if light.view.receiver_bounds.is_empty() {
-            return;
-        }
-        let name = light.light().name.clone();
-        let shaders = ["mark", "per_receiver"].map(|fragment| shader(&flags, fragment));
-        let reason = format!("what {casters} casters cover of {name}, by areas");
-        mark_and_ask(light, bindings, shaders, (reason, format!("{edges} edges, {triangles} triangles")));
+fn ask(
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
+    gathered: Gathered,
+) -> Result<Contribution, ShadowError> {
+    let flags = flags_of(&gathered);
+    let Gathered { bindings, casters, edges, triangles, .. } = gathered;
+    if light.view.receiver_bounds.is_empty() {
+        return Ok(Contribution::default());
     }
+    let shader = |fragment| Shader::composed("per_receiver", &flags, "soft_vertex", Some(fragment));
+    let shaders = [shader("mark")?, shader("per_receiver")?];
+    let reason = format!("what {casters} casters cover of {}, by areas", light.light().name);
+    let asked = format!("{edges} edges, {triangles} triangles");
+    Ok(mark_and_ask(light, out, bindings, shaders, (reason, asked)))
 }
 
 /// The shader's flags for what there is to ask.
@@ -65,15 +77,4 @@ fn flags_of(gathered: &Gathered) -> Vec<&'static str> {
         ("ONE_CASTER", gathered.casters == 1),
     ];
     wanted.into_iter().filter(|(_, wanted)| *wanted).map(|(flag, _)| flag).collect()
-}
-
-/// The shader with these flags; its text is checked by a test, so composing it cannot fail.
-fn shader(flags: &[&str], fragment: &'static str) -> Shader {
-    let source = shadowgraph_shaders::compose_named("per_receiver", flags).unwrap_or_default();
-    Shader {
-        name: format!("per_receiver {}", flags.join(" ")).into(),
-        source: source.into(),
-        vertex: "soft_vertex".into(),
-        fragment: Some(fragment.into()),
-    }
 }

@@ -5,21 +5,25 @@
 //! sample: see shadow_volume_soft.wgsl.
 
 use glam::Vec2;
-use shadowgraph_engine::plan::Shader;
-use shadowgraph_engine::shadow::{LightPlan, ShadowError, light_samples};
+use shadowgraph_engine::plan::{Shader, ShaderError};
+use shadowgraph_engine::shadow::{Contribution, LightContext, PassList, ShadowError, light_samples};
 
 use super::ShadowVolumeSoft;
 use super::gather::Gathered;
 use super::marked::mark_and_ask;
 
 impl ShadowVolumeSoft {
-    pub(super) fn plan_sampled(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        let gathered = self.gather(light)?;
+    pub(super) fn plan_sampled(
+        &self,
+        light: &LightContext<'_>,
+        out: &mut PassList<'_>,
+    ) -> Result<Contribution, ShadowError> {
+        let gathered = self.gather(light, out)?;
         // In each round the pixels that are drawn together, eight say, find their edges in turns, and count them in others.
         let long_lists = gathered.has_long_lists(9 * self.samples.div_ceil(64) as usize);
         let Gathered { bindings, clusters, beside, on_layer, casters, edges, triangles, .. } = gathered;
         if light.view.receiver_bounds.is_empty() {
-            return Ok(());
+            return Ok(Contribution::default());
         }
         let name = light.light().name.clone();
         let wanted = [
@@ -32,28 +36,25 @@ impl ShadowVolumeSoft {
             ("LONG_LISTS", long_lists),
         ];
         let flags: Vec<&str> = wanted.iter().filter(|(_, wanted)| *wanted).map(|(flag, _)| *flag).collect();
-        let shaders = ["mark", "sampled"].map(|fragment| shader(self.samples, &flags, fragment));
+        let shader = |fragment| shader(self.samples, &flags, fragment);
+        let shaders = [shader("mark")?, shader("sampled")?];
         let reason = format!("{} samples of {name} before {casters} casters", self.samples);
-        mark_and_ask(light, bindings, shaders, (reason, format!("{edges} edges, {triangles} triangles")));
-        Ok(())
+        let asked = format!("{edges} edges, {triangles} triangles");
+        Ok(mark_and_ask(light, out, bindings, shaders, (reason, asked)))
     }
 }
 
 /// The shader for so many samples.
-fn shader(samples: u32, flags: &[&str], fragment: &'static str) -> Shader {
-    let code = samples_as_code(samples);
-    let composed =
-        shadowgraph_shaders::compose_replacing("shadow_volume_soft", flags, "common/light_samples", &code);
-    Shader {
-        name: format!("shadow_volume_soft of {samples} samples {}", flags.join(" ")).into(),
-        source: composed.unwrap_or_default().into(),
-        vertex: "soft_vertex".into(),
-        fragment: Some(fragment.into()),
-    }
+fn shader(samples: u32, flags: &[&str], fragment: &'static str) -> Result<Shader, ShaderError> {
+    const SAMPLES: &str = "common/light_samples";
+    let code = samples_as_code(samples)?;
+    let source = shadowgraph_shaders::compose_replacing("shadow_volume_soft", flags, SAMPLES, &code)?;
+    let name = format!("shadow_volume_soft of {samples} samples {}", flags.join(" "));
+    Ok(Shader::of(&name, source, "soft_vertex", Some(fragment)))
 }
 
 /// The module `common/light_samples` for so many samples: no loop, no look-up.
-fn samples_as_code(count: u32) -> String {
+fn samples_as_code(count: u32) -> Result<String, ShaderError> {
     use std::fmt::Write;
     let samples: Vec<Vec2> = light_samples(count).iter().map(|sample| sample.as_vec2()).collect();
     let rounds: Vec<&[Vec2]> = samples.chunks(64).collect();
@@ -111,6 +112,6 @@ fn samples_as_code(count: u32) -> String {
         })
     });
     // The one that is written by hand.
-    let own = shadowgraph_shaders::source("common/light_samples").unwrap_or_default();
-    code + own.find("fn sample_crossed").map_or("", |place| &own[place..])
+    let own = shadowgraph_shaders::compose_named("common/light_samples", &[])?;
+    Ok(code + own.find("fn sample_crossed").map_or("", |place| &own[place..]))
 }

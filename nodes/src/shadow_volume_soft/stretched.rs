@@ -11,7 +11,7 @@
 use glam::DVec3;
 use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::scene::Instance;
-use shadowgraph_engine::shadow::{LightPlan, hash_of};
+use shadowgraph_engine::shadow::{LightContext, hash_of};
 
 /// Casters within so many near distances of the eye keep enough digits as they are.
 const FAR_REACHING: f64 = 1280.0;
@@ -33,7 +33,7 @@ pub(super) struct Stretched {
 
 impl Stretched {
     /// `None` for casters whose middle will do.
-    pub(super) fn of(light: &mut LightPlan<'_>, instance: &Instance) -> Option<Self> {
+    pub(super) fn of(light: &LightContext<'_>, instance: &Instance) -> Option<Self> {
         let camera = &light.view.camera;
         let (bounds, eye) = (instance.world_bounds, camera.world_from_view.translation);
         let radius_m = bounds.radius();

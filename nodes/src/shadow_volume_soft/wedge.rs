@@ -30,11 +30,14 @@ use glam::{DVec3, DVec4};
 use shadowgraph_engine::geometry::Chain;
 use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::plan::{
-    Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, BufferUsage, ColorTarget,
-    CompareFunction, Draw, DrawState, Geometry, Load, MULTIPLY, Pass, Shader, SlotId,
+    BlendComponent, BlendFactor, BlendOperation, BlendState, BufferDesc, CompareFunction, DrawState, Load,
+    MULTIPLY, Resource, Shader, ShaderError,
 };
 use shadowgraph_engine::scene::Instance;
-use shadowgraph_engine::shadow::{Channels, LightPlan, LightSize, ShadowError, hash_of};
+use shadowgraph_engine::shadow::{
+    Binding, Channels, ColorTarget, Contribution, DepthTarget, Draw, Geometry, LightContext, LightSize, Pass,
+    PassList, ShadowError, hash_of,
+};
 
 use super::ShadowVolumeSoft;
 use crate::common::layer_groups::Caster;
@@ -93,7 +96,11 @@ impl ShadowVolumeSoft {
     ///
     /// # Errors
     /// What the options do not accept.
-    pub(super) fn plan_wedges(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
+    pub(super) fn plan_wedges(
+        &self,
+        light: &LightContext<'_>,
+        out: &mut PassList<'_>,
+    ) -> Result<Contribution, ShadowError> {
         let masked =
             |instance: &Instance| instance.materials.iter().any(|material| material.casts_by_texel());
         if let Some((_, instance)) = light.casters().find(|(_, instance)| masked(instance)) {
@@ -102,62 +109,58 @@ impl ShadowVolumeSoft {
                 instance.name
             )));
         }
-        if let Some(layers) = self.hard().count_layers(light)? {
-            add_shares(light, &layers, self.size());
-        }
-        self.plan_horizon(light)
+        let shares = match self.hard().count_layers(light, out)? {
+            Some(layers) => add_shares(light, out, &layers, self.size())?,
+            None => Contribution::default(),
+        };
+        Ok(shares.and(self.plan_horizon(light, out)?))
     }
 }
 
 /// Adds what silhouette edges hide beside the centre to `layers`, and darkens by the sum.
-fn add_shares(light: &mut LightPlan<'_>, layers: &Layers<'_>, size: LightSize) {
+fn add_shares(
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
+    layers: &Layers<'_>,
+    size: LightSize,
+) -> Result<Contribution, ShadowError> {
     let Layers { counts, casters } = layers;
     let counts = *counts;
     let name = light.light().name.clone();
     let (edges, key) = edges(light, casters, size);
-    let shared = view(light, casters, size);
-    let depth = light.receiver_depth();
+    let shared = view(light, out, casters, size);
     let mut draws = Vec::new();
     for (batch, edges) in edges.chunks(MAX_EDGES).enumerate() {
         let bytes = Arc::new(cast_slice(edges).to_vec());
         let reason = format!("where {} silhouette edges may cut the light", edges.len());
         let key = hash_of(("wedge edges", key, batch));
-        let slot = light.buffer(&format!("wedges of {name}"), BufferUsage::Storage, key, bytes, &reason);
-        draws.push(Draw {
-            name: format!("{} wedges", edges.len()),
-            shader: Some(shader("vertex", "add_share")),
-            state: DrawState::new(CompareFunction::Less, vec![Some(ADD)]),
-            geometry: Geometry::Procedural { vertices: WEDGE_VERTICES, instances: edges.len() as u32 },
-            bindings: vec![
-                (0, Binding::Storage(shared)),
-                (1, Binding::Storage(slot)),
-                (2, Binding::Texture(depth)),
-            ],
-            scissor_px: None,
-        });
+        let edge_buffer = out.buffer(BufferDesc::storage(&format!("wedges of {name}"), key, bytes, &reason));
+        let (shader, instances) = (shader("vertex", "add_share")?, edges.len() as u32);
+        let geometry = Geometry::Procedural { shader, vertices: WEDGE_VERTICES, instances };
+        let state = DrawState::new(CompareFunction::Less, vec![Some(ADD)]);
+        draws.push(Draw::new(format!("{instances} wedges"), geometry, state).reading(vec![
+            (0, Binding::Storage(shared)),
+            (1, Binding::Storage(edge_buffer)),
+            (2, Binding::Texture(out.receiver_depth())),
+        ]));
     }
-    light.pass(Pass {
+    out.pass(Pass {
         name: format!("wedges of {name}"),
         reason: "what each silhouette edge hides of the light beside its centre, or leaves of it".into(),
-        colors: vec![ColorTarget { slot: counts, layer: 0, load: Load::Keep, resolve: None }],
-        depth: Some(light.test_depth()),
+        colors: vec![ColorTarget::new(counts, Load::Keep)],
+        depth: Some(DepthTarget::TEST),
         draws,
     });
-    let target = light.multiply_visibility(Channels::One);
-    light.pass(Pass {
+    let state = DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]);
+    let darken = Draw::new("darken", Geometry::fullscreen(shader("fullscreen_vertex", "darken")?), state);
+    out.pass(Pass {
         name: format!("darken {name}"),
         reason: "layers and shares become what is left of the light".into(),
-        colors: vec![target],
+        colors: vec![ColorTarget::VISIBILITY],
         depth: None,
-        draws: vec![Draw {
-            name: "darken".into(),
-            shader: Some(shader("fullscreen_vertex", "darken")),
-            state: DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]),
-            geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-            bindings: vec![(3, Binding::Texture(counts))],
-            scissor_px: None,
-        }],
+        draws: vec![darken.reading(vec![(3, Binding::Texture(counts))])],
     });
+    Ok(Contribution::visibility(Channels::One))
 }
 
 /// dst + src: layers and shares of either sign.
@@ -170,19 +173,13 @@ const ADD: BlendState = {
     BlendState { color: add, alpha: add }
 };
 
-/// A shader of this technique's own; its text is checked by a test, so composing it cannot fail.
-fn shader(vertex: &'static str, fragment: &'static str) -> Shader {
-    let source = shadowgraph_shaders::compose_named("penumbra_wedge", &[]).unwrap_or_default();
-    Shader {
-        name: "penumbra_wedge".into(),
-        source: source.into(),
-        vertex: vertex.into(),
-        fragment: Some(fragment.into()),
-    }
+/// A shader of this technique's own.
+fn shader(vertex: &'static str, fragment: &'static str) -> Result<Shader, ShaderError> {
+    Shader::composed("penumbra_wedge", &[], vertex, Some(fragment))
 }
 
 /// The silhouette edges of all casters with their wedges, and a hash of what they were computed from.
-fn edges(light: &mut LightPlan<'_>, casters: &[Caster<'_>], size: LightSize) -> (Arc<Vec<WedgeEdge>>, u64) {
+fn edges(light: &LightContext<'_>, casters: &[Caster<'_>], size: LightSize) -> (Arc<Vec<WedgeEdge>>, u64) {
     let position = light.light().position;
     let size_bits = [size.radius_m, size.half_angle_rad].map(f64::to_bits);
     // The light is part of each caster's key.
@@ -283,7 +280,12 @@ impl Wedge {
 }
 
 /// What all wedges of a light share: how the eye stands, the light, and where the casters are.
-fn view(light: &mut LightPlan<'_>, casters: &[Caster<'_>], size: LightSize) -> SlotId {
+fn view(
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
+    casters: &[Caster<'_>],
+    size: LightSize,
+) -> Resource {
     let world_from_view = light.view.camera.world_from_view;
     let eye = world_from_view.translation;
     let position = light.light().position;
@@ -316,11 +318,6 @@ fn view(light: &mut LightPlan<'_>, casters: &[Caster<'_>], size: LightSize) -> S
     let bytes = [bytes_of(&head), cast_slice(&centers)].concat();
     let key = hash_of(("wedge casters", &bytes));
     let name = format!("wedge casters of {}", light.light().name);
-    light.buffer(
-        &name,
-        BufferUsage::Storage,
-        key,
-        Arc::new(bytes),
-        "where the light and casters are, from the eye",
-    )
+    let reason = "where the light and casters are, from the eye";
+    out.buffer(BufferDesc::storage(&name, key, Arc::new(bytes), reason))
 }

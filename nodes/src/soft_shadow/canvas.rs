@@ -8,8 +8,8 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use glam::{DAffine3, DMat3, DMat4, DVec2, DVec3, DVec4};
 use shadowgraph_engine::math::Plane;
-use shadowgraph_engine::plan::{BufferUsage, SlotId, TextureFormat};
-use shadowgraph_engine::shadow::{LightPlan, hash_of};
+use shadowgraph_engine::plan::{BufferDesc, Lifetime, Resource, TextureDesc, TextureFormat};
+use shadowgraph_engine::shadow::{LightContext, PassList, hash_of};
 
 use super::casters::{Casters, clip_from_caster};
 use super::receivers::Receiver;
@@ -61,6 +61,15 @@ pub fn planar_layouts() -> [(&'static str, &'static str, Layout); 3] {
     ]
 }
 
+/// Where shadows are marked.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Targets {
+    /// Bits of the points.
+    pub(super) bits: Resource,
+    /// Which point marked a pixel last.
+    pub(super) stencil: Resource,
+}
+
 /// What shadows are drawn on.
 #[derive(Clone, Debug)]
 pub(super) struct Canvas {
@@ -78,7 +87,7 @@ pub(super) struct Canvas {
 
 impl Canvas {
     /// The picture, as the eye sees the receiver.
-    pub(super) fn picture(light: &LightPlan<'_>) -> Self {
+    pub(super) fn picture(light: &LightContext<'_>) -> Self {
         let size_px = light.view.size_px;
         let [width, height] = size_px.map(f64::from);
         Self {
@@ -93,7 +102,7 @@ impl Canvas {
     /// A texture over where shadows may fall on `receiver`, its longer side of `resolution` texels; `None` where none
     /// fall.
     pub(super) fn texture(
-        light: &mut LightPlan<'_>,
+        light: &LightContext<'_>,
         receiver: &Receiver,
         lit: &Lit,
         casters: &Casters,
@@ -143,32 +152,32 @@ impl Canvas {
         (*canvas).clone()
     }
 
-    /// The targets: bits of the points, and which point marked a pixel last.
-    pub(super) fn targets(&self, light: &mut LightPlan<'_>, count: usize) -> (SlotId, SlotId) {
+    /// The targets for `count` points.
+    pub(super) fn targets(&self, out: &mut PassList<'_>, count: usize) -> Targets {
         let format = match count {
             ..=8 => TextureFormat::R8Unorm,
             9..=16 => TextureFormat::Rg8Unorm,
             _ => TextureFormat::Rgba8Unorm,
         };
         let layers = count.div_ceil(POINTS_OF_A_LAYER) as u32;
-        let mut target = |name: &str, format, layers, reason: &str| match self.key {
-            None => light.scratch_texture(name, format, self.size_px, layers, reason),
-            Some(key) => light.kept_texture(name, format, self.size_px, layers, key, reason),
+        let lifetime = self.key.map_or(Lifetime::Scratch, Lifetime::Kept);
+        let mut target = |name: &str, format, layers, reason: &str| {
+            let desc = TextureDesc::new(name, format, self.size_px, reason);
+            out.texture(TextureDesc { layers, lifetime, ..desc })
         };
         let reason = format!("one bit for each of {count} points of a light");
         let bits = target("shadowed bits", format, layers, &reason);
         let reason = "where the receiver is, and which point of the light marked it last";
-        (bits, target("receiver stencil", TextureFormat::Stencil8, 1, reason))
+        Targets { bits, stencil: target("receiver stencil", TextureFormat::Stencil8, 1, reason) }
     }
 
     /// For each point of the light and each caster: from the caster to clip space, flattened.
     pub(super) fn matrices(
         &self,
-        light: &mut LightPlan<'_>,
-        receiver: &Receiver,
-        lit: &Lit,
-        casters: &Casters,
-    ) -> SlotId {
+        light: &LightContext<'_>,
+        out: &mut PassList<'_>,
+        (receiver, lit, casters): (&Receiver, &Lit, &Casters),
+    ) -> Resource {
         let compute = || {
             let plane = &receiver.flat.plane;
             let flatten = |point: &DVec4, center: &DVec3| {
@@ -194,11 +203,16 @@ impl Canvas {
         };
         let name = format!("flattening onto {} from {}", receiver.name, light.light().name);
         let reason = "where each caster's shadow falls, for each point of the light";
-        light.buffer(&name, BufferUsage::Storage, key, bytes, reason)
+        out.buffer(BufferDesc::storage(&name, key, bytes, reason))
     }
 
     /// The points of the light as the shader weighs them.
-    pub(super) fn points(&self, light: &mut LightPlan<'_>, receiver: &Receiver, lit: &Lit) -> SlotId {
+    pub(super) fn points(
+        &self,
+        light: &LightContext<'_>,
+        out: &mut PassList<'_>,
+        (receiver, lit): (&Receiver, &Lit),
+    ) -> Resource {
         let Lit { points, heights } = lit;
         let count = points.positions.len() as u32;
         let center = self.view_from_world.transform_point3(light.light().position.truncate());
@@ -218,11 +232,16 @@ impl Canvas {
         let key = hash_of(("planar light", &bytes));
         let name = format!("points of {} over {}", light.light().name, receiver.name);
         let reason = "the points of the light, by which bits are weighed";
-        light.buffer(&name, BufferUsage::Storage, key, Arc::new(bytes), reason)
+        out.buffer(BufferDesc::storage(&name, key, Arc::new(bytes), reason))
     }
 
     /// Where the texture lies, as the eye sees it.
-    pub(super) fn place(&self, light: &mut LightPlan<'_>, receiver: &Receiver) -> SlotId {
+    pub(super) fn place(
+        &self,
+        light: &LightContext<'_>,
+        out: &mut PassList<'_>,
+        receiver: &Receiver,
+    ) -> Resource {
         let half = self.half_m.unwrap_or(DVec2::ONE);
         let canvas_from_eye = self.view_from_world * light.view.camera.world_from_view;
         let rows = canvas_from_eye.matrix3.transpose();
@@ -238,13 +257,8 @@ impl Canvas {
         let bytes = bytes_of(&place).to_vec();
         let key = hash_of(("planar texture's place", &bytes));
         let name = format!("place of the shadows on {}", receiver.name);
-        light.buffer(
-            &name,
-            BufferUsage::Storage,
-            key,
-            Arc::new(bytes),
-            "where the texture lies, as the eye sees it",
-        )
+        let reason = "where the texture lies, as the eye sees it";
+        out.buffer(BufferDesc::storage(&name, key, Arc::new(bytes), reason))
     }
 }
 

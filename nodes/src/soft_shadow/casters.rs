@@ -10,9 +10,9 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable, cast_slice};
 use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4};
 use shadowgraph_engine::math::{Aabb, Plane, facing_sign};
-use shadowgraph_engine::plan::{BufferUsage, SlotId};
+use shadowgraph_engine::plan::{BufferDesc, Resource};
 use shadowgraph_engine::scene::{ImageKey, Instance, Material, TexCoord};
-use shadowgraph_engine::shadow::{LightPlan, hash_of};
+use shadowgraph_engine::shadow::{LightContext, PassList, hash_of};
 
 use super::points::LightPoints;
 use super::receivers::{Flat, Receiver, height_of};
@@ -62,11 +62,11 @@ pub(super) struct Batch {
     /// Whether they have holes.
     pub(super) masked: bool,
     /// What the holes are looked up in.
-    pub(super) image: Option<SlotId>,
+    pub(super) image: Option<Resource>,
     /// Their corners.
-    pub(super) corners: SlotId,
+    pub(super) corners: Resource,
     /// Their corners' numbers.
-    pub(super) indices: SlotId,
+    pub(super) indices: Resource,
     /// For each point of the light: where its indices begin, and how many there are.
     pub(super) runs: Vec<(u32, u32)>,
 }
@@ -94,7 +94,8 @@ struct BatchBytes {
 impl Casters {
     /// The casters that may shadow something of `receiver`; where it is in view only, if `in_picture`.
     pub(super) fn of(
-        light: &mut LightPlan<'_>,
+        light: &LightContext<'_>,
+        out: &mut PassList<'_>,
         receiver: &Receiver,
         points: &LightPoints,
         in_picture: bool,
@@ -150,7 +151,7 @@ impl Casters {
             }
         }
         for (instance, reason) in left_out {
-            light.note(format!(
+            out.note(format!(
                 "'{}' on '{}' for '{}': {reason}",
                 instance.name,
                 receiver.name,
@@ -159,7 +160,7 @@ impl Casters {
         }
         let mut keys = Vec::new();
         for (masked, image, runs) in runs {
-            let (batch, key) = upload(light, receiver, points, (masked, image), &runs);
+            let (batch, key) = upload(light, out, receiver, points, (masked, image), &runs);
             casters.batches.push(batch);
             // An image that was changed is another one.
             let image = image.and_then(|image| light.posed.images.get(&image));
@@ -182,7 +183,8 @@ struct Run {
 
 /// Puts the corners of several casters into one buffer, and their indices into another.
 fn upload(
-    light: &mut LightPlan<'_>,
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
     receiver: &Receiver,
     points: &LightPoints,
     (masked, image): (bool, Option<ImageKey>),
@@ -242,24 +244,22 @@ fn upload(
     let name = &receiver.name;
     let what = if masked { "masked casters" } else { "casters" };
     let reason = format!("{triangles} triangles above '{name}'");
-    let image = image.map(|image| light.image(image, "holes are looked up where light would pass"));
+    let image = image.map(|image| out.image(image, "holes are looked up where light would pass"));
     let batch = Batch {
         masked,
         image,
-        corners: light.buffer(
+        corners: out.buffer(BufferDesc::storage(
             &format!("{what} over {name}"),
-            BufferUsage::Storage,
             hash_of((key, "corners")),
             Arc::clone(corners),
             &reason,
-        ),
-        indices: light.buffer(
+        )),
+        indices: out.buffer(BufferDesc::index(
             &format!("triangles of {what} over {name}"),
-            BufferUsage::Index,
             hash_of((key, "indices")),
             Arc::clone(indices),
             &reason,
-        ),
+        )),
         runs: runs.clone(),
     };
     (batch, key)
@@ -354,7 +354,7 @@ impl AbovePlane {
 /// # Errors
 /// The reason why it cannot.
 fn may_shadow(
-    light: &LightPlan<'_>,
+    light: &LightContext<'_>,
     receiver: &Receiver,
     (points, in_picture): (&LightPoints, bool),
     bounds: &Aabb,

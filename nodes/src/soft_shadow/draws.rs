@@ -1,13 +1,15 @@
 //! The passes and draws of one receiver.
 
 use shadowgraph_engine::plan::{
-    Access, Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, ColorTarget, CompareFunction,
-    DepthTarget, Draw, DrawState, Geometry, Load, MULTIPLY, Pass, Shader, SlotId, Stencil, StencilFaceState,
-    StencilOperation, SurfaceStyle, TextureFormat,
+    Access, BlendComponent, BlendFactor, BlendOperation, BlendState, CompareFunction, DrawState, Lifetime,
+    Load, MULTIPLY, PulledStyle, Resource, Shader, ShaderError, Stencil, StencilFaceState, StencilOperation,
+    TextureDesc, TextureFormat,
 };
-use shadowgraph_engine::shadow::{Channels, LightPlan, hash_of};
+use shadowgraph_engine::shadow::{
+    Binding, ColorTarget, DepthTarget, Draw, Geometry, LightContext, Pass, PassList, hash_of,
+};
 
-use super::canvas::Canvas;
+use super::canvas::{Canvas, Targets};
 use super::casters::{Batch, Casters};
 use super::receivers::Receiver;
 use super::{Lit, POINTS_OF_A_LAYER};
@@ -17,24 +19,24 @@ const VISIBLE_TRIANGLES: u32 = 8;
 /// What marks a receiver's pixels before any point does. Points count down from here.
 const RECEIVER: u8 = 255;
 
-/// Marks one bit for each point of the light where the casters' shadows fall on `canvas`; returns the bits.
+/// Marks one bit for each point of the light where the casters' shadows fall on `canvas`.
 pub(super) fn mark(
-    light: &mut LightPlan<'_>,
-    canvas: &Canvas,
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
+    (canvas, Targets { bits, stencil }): (&Canvas, Targets),
     (receiver, lit, casters): (&Receiver, &Lit, &Casters),
-) -> SlotId {
+) -> Result<(), ShaderError> {
     let heights = &lit.heights;
-    let matrices = canvas.matrices(light, receiver, lit, casters);
-    let (bits, stencil) = canvas.targets(light, heights.len());
-    let shaders: Vec<Shader> = casters.batches.iter().map(caster_shader).collect();
+    let matrices = canvas.matrices(light, out, (receiver, lit, casters));
+    let shaders = casters.batches.iter().map(caster_shader).collect::<Result<Vec<_>, _>>()?;
     let name = light.light().name.clone();
     for (layer, heights) in heights.chunks(POINTS_OF_A_LAYER).enumerate() {
         // All of a texture lies on the receiver's plane; of the picture, what shows it.
         let (mut draws, cleared) = if canvas.key.is_some() {
             (vec![], RECEIVER)
         } else {
-            let depth = [(3, Binding::Texture(light.receiver_depth()))];
-            (receiver_draws(light, receiver, "mark_receiver", &depth, &mark_state()), 0)
+            let depth = [(3, Binding::Texture(out.receiver_depth()))];
+            (receiver_draws(light, receiver, "mark_receiver", &depth, &mark_state())?, 0)
         };
         for (place, _) in heights.iter().enumerate().filter(|(_, height)| **height > 0.0) {
             let number = layer * POINTS_OF_A_LAYER + place;
@@ -45,7 +47,7 @@ pub(super) fn mark(
             );
         }
         let (count, on) = (casters.centers.len(), if canvas.key.is_some() { "a texture of" } else { "" });
-        light.pass(Pass {
+        out.pass(Pass {
             name: format!("shadows on {} from {name}", receiver.name),
             reason: format!(
                 "casters flattened onto {on} the plane: {count}, points of the light: {}",
@@ -53,111 +55,112 @@ pub(super) fn mark(
             )
             .replace("  ", " "),
             colors: vec![ColorTarget {
-                slot: bits,
                 layer: layer as u32,
-                load: Load::Clear([0.0; 4]),
-                resolve: None,
+                ..ColorTarget::new(bits, Load::Clear([0.0; 4]))
             }],
             depth: Some(DepthTarget {
-                slot: stencil,
-                depth: Access::ReadOnly,
                 stencil: Some(Access::Clear(f32::from(cleared))),
+                ..DepthTarget::new(stencil, Access::ReadOnly)
             }),
             draws,
         });
     }
-    bits
+    Ok(())
 }
 
 /// Weighs the bits of the picture into the light's visibility.
 pub(super) fn weigh(
-    light: &mut LightPlan<'_>,
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
     canvas: &Canvas,
-    receiver: &Receiver,
-    lit: &Lit,
-    bits: SlotId,
-) {
-    let points = canvas.points(light, receiver, lit);
+    (receiver, lit): (&Receiver, &Lit),
+    bits: Resource,
+) -> Result<(), ShaderError> {
+    let points = canvas.points(light, out, (receiver, lit));
     let bindings = [(4, Binding::TextureArray(bits)), (5, Binding::Storage(points))];
-    shade(light, receiver, "share", &bindings, "the share of the light's points that see the receiver");
+    let reason = "the share of the light's points that see the receiver";
+    shade(light, out, receiver, ("share", reason), &bindings)
 }
 
 /// Weighs the bits of a texture into a texture, and puts it on the receiver.
 pub(super) fn weigh_texture(
-    light: &mut LightPlan<'_>,
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
     canvas: &Canvas,
-    receiver: &Receiver,
-    lit: &Lit,
-    bits: SlotId,
-) {
-    let Some(key) = canvas.key else { return };
-    let name = light.light().name.clone();
-    let points = canvas.points(light, receiver, lit);
-    let reason = "the share of the light's points that see the receiver, until something moves";
+    (receiver, lit): (&Receiver, &Lit),
+    bits: Resource,
+) -> Result<(), ShaderError> {
+    let (name, on) = (&light.light().name, &receiver.name);
+    let points = canvas.points(light, out, (receiver, lit));
+    let bindings = vec![(4, Binding::TextureArray(bits)), (5, Binding::Storage(points))];
+    let names = ("shadow texture", format!("texture of {on} from {name}"));
+    let reasons = (
+        "the share of the light's points that see the receiver, until something moves",
+        "the share of the light's points that see each texel",
+    );
     let shares =
-        light.kept_texture("shadow texture", TextureFormat::R16Float, canvas.size_px, 1, key, reason);
-    light.pass(Pass {
-        name: format!("texture of {} from {name}", receiver.name),
-        reason: "the share of the light's points that see each texel".into(),
-        colors: vec![ColorTarget { slot: shares, layer: 0, load: Load::Clear([1.0; 4]), resolve: None }],
-        depth: None,
-        draws: vec![Draw {
-            name: "texels".into(),
-            shader: Some(shader(&["RECEIVER"], "fullscreen_vertex", "share_of_texel")),
-            state: DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]),
-            geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-            bindings: vec![(4, Binding::TextureArray(bits)), (5, Binding::Storage(points))],
-            scissor_px: None,
-        }],
-    });
-    let reason = "each texel with its neighbours, so that a pixel reads one texel and not four";
-    let quads =
-        light.kept_texture("texels in fours", TextureFormat::Rgba16Float, canvas.size_px, 1, key, reason);
-    light.pass(Pass {
-        name: format!("texels of {} from {name}", receiver.name),
-        reason: "each beside its neighbours".into(),
-        colors: vec![ColorTarget { slot: quads, layer: 0, load: Load::Clear([1.0; 4]), resolve: None }],
-        depth: None,
-        draws: vec![Draw {
-            name: "texels".into(),
-            shader: Some(shader(&["RECEIVER"], "fullscreen_vertex", "four_texels")),
-            state: DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]),
-            geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-            bindings: vec![(6, Binding::Texture(shares))],
-            scissor_px: None,
-        }],
-    });
-    let place = canvas.place(light, receiver);
+        texels(out, canvas, TextureFormat::R16Float, (names, reasons), ("share_of_texel", bindings))?;
+    let bindings = vec![(6, Binding::Texture(shares))];
+    let names = ("texels in fours", format!("texels of {on} from {name}"));
+    let reasons = (
+        "each texel with its neighbours, so that a pixel reads one texel and not four",
+        "each beside its neighbours",
+    );
+    let quads = texels(out, canvas, TextureFormat::Rgba16Float, (names, reasons), ("four_texels", bindings))?;
+    let place = canvas.place(light, out, receiver);
     let bindings = [(6, Binding::Texture(quads)), (7, Binding::Storage(place))];
-    shade(light, receiver, "share_from_texture", &bindings, "the receiver wears its texture");
+    shade(light, out, receiver, ("share_from_texture", "the receiver wears its texture"), &bindings)
+}
+
+/// A texture that is drawn texel by texel and kept with the canvas. Names and reasons are those of the texture, then of the
+/// pass.
+fn texels(
+    out: &mut PassList<'_>,
+    canvas: &Canvas,
+    format: TextureFormat,
+    ((name, pass), (reason, why)): ((&str, String), (&str, &str)),
+    (fragment, bindings): (&'static str, Vec<(u32, Binding)>),
+) -> Result<Resource, ShaderError> {
+    let lifetime = canvas.key.map_or(Lifetime::Frame, Lifetime::Kept);
+    let texture =
+        out.texture(TextureDesc { lifetime, ..TextureDesc::new(name, format, canvas.size_px, reason) });
+    let geometry = Geometry::fullscreen(shader(&["RECEIVER"], "fullscreen_vertex", fragment)?);
+    let state = DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]);
+    out.pass(Pass {
+        name: pass,
+        reason: why.into(),
+        colors: vec![ColorTarget::new(texture, Load::Clear([1.0; 4]))],
+        depth: None,
+        draws: vec![Draw::new("texels", geometry, state).reading(bindings)],
+    });
+    Ok(texture)
 }
 
 /// Darkens the light's visibility where the receiver is the visible surface.
 fn shade(
-    light: &mut LightPlan<'_>,
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
     receiver: &Receiver,
-    fragment: &'static str,
+    (fragment, reason): (&'static str, &str),
     bindings: &[(u32, Binding)],
-    reason: &str,
-) {
+) -> Result<(), ShaderError> {
     let state = DrawState::new(CompareFunction::Equal, vec![Some(MULTIPLY)]);
     let poses = receiver.instances.iter().map(|index| light.posed.instances[*index].pose_key);
     let key = hash_of(("overlaps", poses.collect::<Vec<_>>()));
-    let posed = light.posed;
-    let overlaps = *light.cache.get_or_compute("overlaps", key, || receiver.overlaps_itself(posed));
+    let overlaps = *light.cache.get_or_compute("overlaps", key, || receiver.overlaps_itself(light.posed));
     let mut bindings = bindings.to_vec();
     if overlaps {
-        bindings.push((VISIBLE_TRIANGLES, Binding::Texture(light.visible_triangles())));
+        bindings.push((VISIBLE_TRIANGLES, Binding::Texture(out.visible_triangles())));
     }
-    let draws = receiver_draws(light, receiver, fragment, &bindings, &state);
-    let target = light.multiply_visibility(Channels::One);
-    light.pass(Pass {
+    let draws = receiver_draws(light, receiver, fragment, &bindings, &state)?;
+    out.pass(Pass {
         name: format!("share of {} on {}", light.light().name, receiver.name),
         reason: reason.into(),
-        colors: vec![target],
-        depth: Some(light.test_depth()),
+        colors: vec![ColorTarget::VISIBILITY],
+        depth: Some(DepthTarget::TEST),
         draws,
     });
+    Ok(())
 }
 
 /// Marks the receiver's pixels, and clears what other receivers have left.
@@ -176,12 +179,12 @@ fn mark_state() -> DrawState {
 
 /// The surfaces of a receiver, by an entry point of the receivers' half of the shader.
 fn receiver_draws(
-    light: &LightPlan<'_>,
+    light: &LightContext<'_>,
     receiver: &Receiver,
     fragment: &'static str,
     bindings: &[(u32, Binding)],
     state: &DrawState,
-) -> Vec<Draw> {
+) -> Result<Vec<Draw>, ShaderError> {
     // With holes or without, (instance, part), vertices.
     type Run = (bool, Vec<(u32, u32)>, u64);
     let mut runs: Vec<Run> = Vec::new();
@@ -204,25 +207,20 @@ fn receiver_draws(
     let draw = |(masked, parts, vertices): Run| {
         let (style, flags): (_, &[&str]) = if masked {
             // A mask without a texture reads a white one: no variant of its own.
-            (SurfaceStyle::PulledMasked, &["RECEIVER", "MASKED", "BASE_COLOR_TEXTURE", "SECOND_UV"])
+            (PulledStyle::PulledMasked, &["RECEIVER", "MASKED", "BASE_COLOR_TEXTURE", "SECOND_UV"])
         } else {
-            (SurfaceStyle::Pulled, &["RECEIVER"])
+            (PulledStyle::Pulled, &["RECEIVER"])
         };
         let once: &[&str] = if asks_triangle { &["OVERLAPS"] } else { &[] };
         let flags = &[flags, once].concat();
-        Draw {
-            name: receiver.name.clone(),
-            shader: Some(shader(flags, "receiver", fragment)),
-            state: state.clone(),
-            geometry: Geometry::Surfaces { style, parts, vertices },
-            bindings: bindings.to_vec(),
-            scissor_px: None,
-        }
+        let shader = shader(flags, "receiver", fragment)?;
+        let geometry = Geometry::PulledSurfaces { shader, style, parts, vertices };
+        Ok(Draw::new(&receiver.name, geometry, state.clone()).reading(bindings.to_vec()))
     };
     runs.into_iter().map(draw).collect()
 }
 
-fn caster_shader(batch: &Batch) -> Shader {
+fn caster_shader(batch: &Batch) -> Result<Shader, ShaderError> {
     let flags: &[&str] = match (batch.masked, batch.image) {
         (false, _) => &[],
         (true, None) => &["MASKED"],
@@ -235,7 +233,7 @@ fn caster_shader(batch: &Batch) -> Shader {
 fn caster_draw(
     batch: &Batch,
     shader: &Shader,
-    matrices: SlotId,
+    matrices: Resource,
     (number, first_caster): (usize, u32),
 ) -> Draw {
     let place = number % POINTS_OF_A_LAYER;
@@ -253,14 +251,9 @@ fn caster_draw(
     state.blend_constant[place / 8] = f64::from(1_u32 << (place % 8)) / 255.0;
     let mut bindings = vec![(0, Binding::Storage(batch.corners)), (1, Binding::Storage(matrices))];
     bindings.extend(batch.image.map(|image| (2, Binding::Texture(image))));
-    Draw {
-        name: format!("point {number}"),
-        shader: Some(shader.clone()),
-        state,
-        geometry: Geometry::Listed { indices: batch.indices, first, count, record: first_caster },
-        bindings,
-        scissor_px: None,
-    }
+    let (shader, indices) = (shader.clone(), batch.indices);
+    let geometry = Geometry::IndexedProcedural { shader, indices, first, count, record: first_caster };
+    Draw::new(format!("point {number}"), geometry, state).reading(bindings)
 }
 
 /// Adds the blend constant: one bit of one channel.
@@ -273,14 +266,7 @@ const ADD_CONSTANT: BlendState = {
     BlendState { color: add, alpha: add }
 };
 
-/// A shader of this technique's own; its text is checked by a test, so composing it cannot fail.
-fn shader(flags: &[&str], vertex: &'static str, fragment: &'static str) -> Shader {
-    let source = shadowgraph_shaders::compose_named("soft_shadow", flags).unwrap_or_default();
-    let name = [&["soft_shadow"], flags].concat().join(" ");
-    Shader {
-        name: name.into(),
-        source: source.into(),
-        vertex: vertex.into(),
-        fragment: Some(fragment.into()),
-    }
+/// A shader of this technique's own.
+fn shader(flags: &[&str], vertex: &'static str, fragment: &'static str) -> Result<Shader, ShaderError> {
+    Shader::composed("soft_shadow", flags, vertex, Some(fragment))
 }

@@ -55,7 +55,7 @@ impl LightPoints {
     /// `count` points for `light`, or one where it has no size. `normal` is the plane's, and `nearest_m` the distance
     /// from the light's centre to the nearest receiver.
     pub(super) fn new(
-        cache: &mut Cache,
+        cache: &Cache,
         light: &PosedLight,
         size: LightSize,
         count: u32,

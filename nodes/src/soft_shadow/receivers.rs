@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3, DVec4};
 use shadowgraph_engine::math::{Aabb, Plane};
 use shadowgraph_engine::scene::{Instance, Posed};
-use shadowgraph_engine::shadow::{LightPlan, ShadowError};
+use shadowgraph_engine::shadow::{LightContext, PassList, ShadowError};
 
 /// A vertex in f32 that was computed to lie in a plane lies this share of its coordinates off it, or less: 8 roundings.
 const FLATNESS: f64 = 4.8e-7;
@@ -90,7 +90,7 @@ impl Receiver {
     ///
     /// # Errors
     /// A receiver that is not planar, by name.
-    pub(super) fn all(light: &mut LightPlan<'_>) -> Result<Vec<Self>, ShadowError> {
+    pub(super) fn all(light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Vec<Self>, ShadowError> {
         let mut receivers: Vec<Self> = Vec::new();
         let mut left_out = Vec::new();
         for (index, instance) in light.receivers() {
@@ -139,7 +139,7 @@ impl Receiver {
             }
         }
         for (instance, reason) in left_out {
-            light.note(format!("receiver '{}' for '{}': {reason}", instance.name, light.light().name));
+            out.note(format!("receiver '{}' for '{}': {reason}", instance.name, light.light().name));
         }
         Ok(receivers)
     }

@@ -17,8 +17,11 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable, cast_slice};
 use glam::DVec3;
-use shadowgraph_engine::plan::{Binding, BufferUsage, ColorTarget, Draw, Load, Pass, SlotId, TextureFormat};
-use shadowgraph_engine::shadow::{Features, LightPlan, ShadowError, hash_of};
+use shadowgraph_engine::plan::{BufferDesc, Lifetime, Load, Resource, TextureDesc, TextureFormat};
+use shadowgraph_engine::shadow::{
+    Binding, ColorTarget, Contribution, DepthTarget, Draw, Features, LightContext, Pass, PassList,
+    ShadowError, hash_of,
+};
 
 use super::{Tinted, counting_draws, layers_of, shader, transmit, weight_of};
 use crate::common::listed::Layout;
@@ -76,15 +79,21 @@ struct Field {
 type Channel = Vec<Field>;
 
 /// Adds the passes that count the surfaces of `glass`, and that darken the light by what they say.
-pub(super) fn count(light: &mut LightPlan<'_>, glass: &[Tinted<'_>]) -> Result<(), ShadowError> {
-    let draws = counting_draws(light, glass);
+pub(super) fn count(
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
+    glass: &[Tinted<'_>],
+) -> Result<Contribution, ShadowError> {
+    let draws = counting_draws(light, out, glass)?;
     let (classes, class_of) = classes(light, glass, &draws);
     let (channels, formats) = packed(light, &classes)?;
     let name = light.light().name.clone();
     let widest = formats[channels.len().min(CHANNELS) - 1];
     let reason =
         "transparent surfaces between a light and the view, as many bits for each material as it takes";
-    let sums = light.scratch("surfaces before a light", widest, reason);
+    let desc = TextureDesc::new("surfaces before a light", widest, light.view.size_px, reason);
+    let sums = out.texture(TextureDesc { lifetime: Lifetime::Scratch, ..desc });
+    let mut left = Contribution::default();
     for channels in channels.chunks(CHANNELS) {
         let fields =
             || channels.iter().enumerate().flat_map(|(c, fields)| fields.iter().map(move |f| (c, f)));
@@ -99,7 +108,7 @@ pub(super) fn count(light: &mut LightPlan<'_>, glass: &[Tinted<'_>]) -> Result<(
                 draw
             }));
         }
-        light.pass(counting_pass(light, sums, fields().count(), counted));
+        out.pass(counting_pass(light, sums, fields().count(), counted));
         let records: Vec<ClassUniform> = fields()
             .map(|(channel, field)| ClassUniform {
                 transmission: classes[field.class].transmission.as_vec3().to_array(),
@@ -116,30 +125,30 @@ pub(super) fn count(light: &mut LightPlan<'_>, glass: &[Tinted<'_>]) -> Result<(
             let (key, contents) = (hash_of(("glass classes", bytes)), Arc::new(bytes.to_vec()));
             let reason = "what a surface of each material lets pass, and where its count is";
             let name = format!("glass of {name}");
-            let slot = light.buffer(&name, BufferUsage::Storage, key, contents, reason);
+            let slot = out.buffer(BufferDesc::storage(&name, key, contents, reason));
             let flags: &[&str] = if records.len() > FEW_CLASSES { &["MANY_CLASSES"] } else { &[] };
             let bindings = vec![(1, Binding::Storage(slot)), (3, Binding::Texture(sums))];
-            resolves.push((shader(flags, "class_vertex", "transmit_counts"), bindings));
+            resolves.push((shader(flags, "class_vertex", "transmit_counts")?, bindings));
         }
         let reason = "counts become what is left of the light: the product of what each surface lets pass";
-        transmit(light, glass, resolves, reason.into());
+        left = left.and(transmit(light, out, glass, resolves, reason.into()));
     }
-    Ok(())
+    Ok(left)
 }
 
-fn counting_pass(light: &LightPlan<'_>, sums: SlotId, classes: usize, draws: Vec<Draw>) -> Pass {
+fn counting_pass(light: &LightContext<'_>, sums: Resource, classes: usize, draws: Vec<Draw>) -> Pass {
     let name = &light.light().name;
     Pass {
         name: format!("transparent volumes of {name}"),
         reason: format!("surfaces of {classes} transparent materials between {name} and the view"),
-        colors: vec![ColorTarget { slot: sums, layer: 0, load: Load::Clear([0.0; 4]), resolve: None }],
-        depth: Some(light.test_depth()),
+        colors: vec![ColorTarget::new(sums, Load::Clear([0.0; 4]))],
+        depth: Some(DepthTarget::TEST),
         draws,
     }
 }
 
 /// The classes of `glass`, and for each of its members which class it belongs to.
-fn classes(light: &mut LightPlan<'_>, glass: &[Tinted<'_>], draws: &[Vec<Draw>]) -> (Vec<Class>, Vec<usize>) {
+fn classes(light: &LightContext<'_>, glass: &[Tinted<'_>], draws: &[Vec<Draw>]) -> (Vec<Class>, Vec<usize>) {
     let mut classes: Vec<Class> = Vec::new();
     let mut members: Vec<Vec<&Tinted<'_>>> = Vec::new();
     let mut class_of = Vec::new();
@@ -163,7 +172,7 @@ fn classes(light: &mut LightPlan<'_>, glass: &[Tinted<'_>], draws: &[Vec<Draw>])
 
 /// The channels the classes are counted in, and the formats of one to four of them.
 fn packed(
-    light: &LightPlan<'_>,
+    light: &LightContext<'_>,
     classes: &[Class],
 ) -> Result<(Vec<Channel>, [TextureFormat; 4]), ShadowError> {
     const HALVES: [TextureFormat; 4] = {

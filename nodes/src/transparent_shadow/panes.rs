@@ -6,9 +6,11 @@
 
 use bytemuck::{Pod, Zeroable};
 use shadowgraph_engine::math::Aabb;
-use shadowgraph_engine::plan::{MULTIPLY, Pass, Shader};
+use shadowgraph_engine::plan::{MULTIPLY, Shader, ShaderError};
 use shadowgraph_engine::scene::{AlphaMode, Instance, Material};
-use shadowgraph_engine::shadow::{Channels, LightPlan, hash_of};
+use shadowgraph_engine::shadow::{
+    Channels, ColorTarget, Contribution, LightContext, Pass, PassList, ShadowError, hash_of,
+};
 
 use crate::common::listed::{Corners, Layout, Listed, Run};
 use crate::layout;
@@ -56,7 +58,11 @@ pub(super) fn layouts() -> [(&'static str, Layout); 2] {
 }
 
 /// Adds the pass that tints what lies behind these (instance, part).
-pub(super) fn cast(light: &mut LightPlan<'_>, parts: &[(&Instance, usize)]) {
+pub(super) fn cast(
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
+    parts: &[(&Instance, usize)],
+) -> Result<Contribution, ShadowError> {
     let mut listed: Listed<PaneTriangle, PaneCaster> = Listed::default();
     let position = light.light().position;
     for &(instance, part) in parts {
@@ -70,35 +76,28 @@ pub(super) fn cast(light: &mut LightPlan<'_>, parts: &[(&Instance, usize)]) {
         listed.push(run, key, texture.map(|texture| texture.image), record(light, instance, material));
     }
     if listed.is_empty() {
-        return;
+        return Ok(Contribution::default());
     }
     let bounds = parts.iter().fold(Aabb::EMPTY, |bounds, (caster, _)| bounds.union(&caster.world_bounds));
-    let draws = listed.draws(light, "tinted triangles", &bounds, shader, MULTIPLY);
-    let target = light.multiply_visibility(Channels::Rgb);
+    let draws = listed.draws((light, out), "tinted triangles", &bounds, shader, MULTIPLY)?;
     let name = &light.light().name;
     let count = listed.parts();
-    light.pass(Pass {
+    out.pass(Pass {
         name: format!("panes of {name}"),
         reason: format!("{count} casters of many colours between {name} and the view: asked at every pixel"),
-        colors: vec![target],
+        colors: vec![ColorTarget::VISIBILITY],
         depth: None,
         draws,
     });
+    Ok(Contribution::visibility(Channels::Rgb))
 }
 
-fn shader(textured: bool) -> Shader {
+fn shader(textured: bool) -> Result<Shader, ShaderError> {
     let flags: &[&str] = if textured { &["BASE_COLOR_TEXTURE"] } else { &[] };
-    let source = shadowgraph_shaders::compose_named("transparent_panes", flags).unwrap_or_default();
-    let name = if textured { "transparent_panes BASE_COLOR_TEXTURE" } else { "transparent_panes" };
-    Shader {
-        name: name.into(),
-        source: source.into(),
-        vertex: "fullscreen_vertex".into(),
-        fragment: Some("tint".into()),
-    }
+    Shader::composed("transparent_panes", flags, "fullscreen_vertex", Some("tint"))
 }
 
-fn record(light: &LightPlan<'_>, instance: &Instance, material: &Material) -> PaneCaster {
+fn record(light: &LightContext<'_>, instance: &Instance, material: &Material) -> PaneCaster {
     let center = instance.world_bounds.center();
     let (alpha_mode, cutoff) = match material.alpha_mode {
         AlphaMode::Opaque => (0, 0.0),

@@ -10,9 +10,12 @@ use bytemuck::cast_slice;
 use glam::DVec3;
 use shadowgraph_engine::geometry::GroupMember;
 use shadowgraph_engine::plan::{
-    Binding, BufferUsage, ColorTarget, Draw, DrawState, Load, MULTIPLY, Pass, TextureFormat,
+    BufferDesc, DrawState, Lifetime, Load, MULTIPLY, ShaderError, TextureDesc, TextureFormat,
 };
-use shadowgraph_engine::shadow::{Features, LightPlan, ShadowError, hash_of};
+use shadowgraph_engine::shadow::{
+    Binding, ColorTarget, Contribution, DepthTarget, Draw, Features, LightContext, Pass, PassList,
+    ShadowError, hash_of,
+};
 
 use super::{Accumulate, Tinted, counting_draws, layers_of, shader, transmit, weight_of};
 use crate::common::volume::Weights;
@@ -30,10 +33,11 @@ const MAX_GRID_ERROR: f64 = 7e-4;
 
 /// Adds the passes that sum up `glass` in one target of three channels, and darken the light by the sum.
 pub(super) fn add_up(
-    light: &mut LightPlan<'_>,
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
     glass: &[Tinted<'_>],
     accumulate: Accumulate,
-) -> Result<(), ShadowError> {
+) -> Result<Contribution, ShadowError> {
     let format = match accumulate {
         Accumulate::Log16 | Accumulate::Product16 => TextureFormat::Rgba16Float,
         _ => {
@@ -44,50 +48,46 @@ pub(super) fn add_up(
     let name = light.light().name.clone();
     let (draws, empty, fragment, binding) = match accumulate {
         Accumulate::Product16 => {
-            (product_draws(light, glass, SMALLEST_HALF_FACTOR), 1.0, "transmit_product", None)
+            (product_draws(light, out, glass, SMALLEST_HALF_FACTOR)?, 1.0, "transmit_product", None)
         }
         Accumulate::Product32 => {
-            (product_draws(light, glass, SMALLEST_FLOAT_FACTOR), 1.0, "transmit_product", None)
+            (product_draws(light, out, glass, SMALLEST_FLOAT_FACTOR)?, 1.0, "transmit_product", None)
         }
         _ => {
-            let (draws, unit) = log_draws(light, glass, accumulate)?;
+            let (draws, unit) = log_draws(light, out, glass, accumulate)?;
             let bytes = (unit as f32).to_ne_bytes().to_vec();
             let key = hash_of(("unit of logarithms", &bytes));
             let reason = "what logarithms are counted in";
-            let slot = light.buffer(
-                &format!("log unit of {name}"),
-                BufferUsage::Storage,
-                key,
-                Arc::new(bytes),
-                reason,
-            );
+            let name = format!("log unit of {name}");
+            let slot = out.buffer(BufferDesc::storage(&name, key, Arc::new(bytes), reason));
             (draws, 0.0, "transmit_logarithms", Some((1, Binding::Storage(slot))))
         }
     };
     let what = if empty == 0.0 { "logarithms" } else { "products" };
     let reason = format!("{what} of what {} casters let pass", glass.len());
-    let sums =
-        light.scratch("glass before a light", format, "logarithms or products of what surfaces let pass");
-    light.pass(Pass {
+    let why = "logarithms or products of what surfaces let pass";
+    let desc = TextureDesc::new("glass before a light", format, light.view.size_px, why);
+    let sums = out.texture(TextureDesc { lifetime: Lifetime::Scratch, ..desc });
+    out.pass(Pass {
         name: format!("transparent volumes of {name}"),
         reason,
-        colors: vec![ColorTarget { slot: sums, layer: 0, load: Load::Clear([empty; 4]), resolve: None }],
-        depth: Some(light.test_depth()),
+        colors: vec![ColorTarget::new(sums, Load::Clear([empty; 4]))],
+        depth: Some(DepthTarget::TEST),
         draws,
     });
     let bindings = binding.into_iter().chain([(3, Binding::Texture(sums))]).collect();
-    let draws = vec![(shader(&[], "fullscreen_vertex", fragment), bindings)];
-    transmit(light, glass, draws, format!("{what} become what is left of the light"));
-    Ok(())
+    let draws = vec![(shader(&[], "fullscreen_vertex", fragment)?, bindings)];
+    Ok(transmit(light, out, glass, draws, format!("{what} become what is left of the light")))
 }
 
 /// The draws that add logarithms, and the unit they are counted in.
 fn log_draws(
-    light: &mut LightPlan<'_>,
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
     glass: &[Tinted<'_>],
     accumulate: Accumulate,
 ) -> Result<(Vec<Draw>, f64), ShadowError> {
-    let draws = counting_draws(light, glass);
+    let draws = counting_draws(light, out, glass)?;
     let log = |share: f64| share.log2().max(SMALLEST_LOG);
     let logs: Vec<DVec3> =
         glass.iter().map(|tinted| DVec3::from_array(tinted.transmission.to_array().map(log))).collect();
@@ -107,7 +107,7 @@ fn log_draws(
 /// The quantum on which no sum of `logs` is rounded: volumes are drawn one after the other, and of the one in the making
 /// all entries may come before the first exit (as [`super::classes`] has it for counts).
 fn grid(
-    light: &mut LightPlan<'_>,
+    light: &LightContext<'_>,
     glass: &[Tinted<'_>],
     draws: &[Vec<Draw>],
     logs: &[DVec3],
@@ -137,23 +137,27 @@ fn grid(
 }
 
 /// The draws that multiply and divide by what surfaces let pass, at least `smallest`.
-fn product_draws(light: &mut LightPlan<'_>, glass: &[Tinted<'_>], smallest: f64) -> Vec<Draw> {
+fn product_draws(
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
+    glass: &[Tinted<'_>],
+    smallest: f64,
+) -> Result<Vec<Draw>, ShaderError> {
     let volumes: Vec<Volume<'_>> = glass.iter().map(|tinted| tinted.volume.clone()).collect();
     let everything: Vec<GroupMember> = (0..volumes.len()).map(GroupMember::whole).collect();
     // A face is multiplied as often as it weighs.
-    let buffers = upload(light, &volumes, &[everything], Weights::Repeated);
+    let buffers = upload(light, out, &volumes, &[everything], Weights::Repeated);
     let factors: Vec<[f32; 4]> = glass
         .iter()
         .map(|tinted| tinted.transmission.max(DVec3::splat(smallest)).as_vec3().extend(1.0).to_array())
         .collect();
     let bytes: &[u8] = cast_slice(&factors);
-    let factors = light.buffer(
+    let factors = out.buffer(BufferDesc::storage(
         &format!("glass of {}", light.light().name),
-        BufferUsage::Storage,
         hash_of(("glass factors", bytes)),
         Arc::new(bytes.to_vec()),
         "what a surface of each caster lets pass",
-    );
+    ));
     let draws = |(volume, record): (&Volume<'_>, u32)| {
         let mut draws = volume_draws(volume, record, &buffers, |how, flags| {
             let compare = float_state(volume.z_fail, how).depth_compare;
@@ -166,10 +170,10 @@ fn product_draws(light: &mut LightPlan<'_>, glass: &[Tinted<'_>], smallest: f64)
                 (Some(false), false) => "divide_back",
                 (Some(false), true) => "multiply_back",
             };
-            (shader(flags, "vertex", fragment), DrawState::new(compare, vec![Some(MULTIPLY)]))
-        });
+            Ok((shader(flags, "vertex", fragment)?, DrawState::new(compare, vec![Some(MULTIPLY)])))
+        })?;
         draws.iter_mut().for_each(|draw| draw.bindings.push((2, Binding::Storage(factors))));
-        draws
+        Ok(draws)
     };
-    volumes.iter().zip(0..).flat_map(draws).collect()
+    Ok(volumes.iter().zip(0..).map(draws).collect::<Result<Vec<_>, ShaderError>>()?.concat())
 }

@@ -6,14 +6,15 @@ use glam::{DAffine3, DVec3, Vec3};
 use shadowgraph_engine::geometry::{Mesh, MeshData};
 use shadowgraph_engine::manager::{Adapter, FrameError, FrameRequest, plan_frame};
 use shadowgraph_engine::plan::{
-    Draw, DrawState, FramePlan, Geometry, Pass, Shader, SlotKind, StencilOperation, SurfaceStyle,
+    Draw, DrawState, FramePlan, Geometry, Shader, SlotKind, StencilOperation, SurfaceStyle,
 };
 use shadowgraph_engine::scene::{
     Camera, Content, Instance, Light, Material, MeshNode, NodeKey, ParamValue, Params, PosedCamera, Scene,
     ShadowFlags, ShadowNode,
 };
 use shadowgraph_engine::shadow::{
-    Cache, Catalog, Channels, LightPlan, OptionTable, Registry, ShadowError, ShadowTechnique, TechniqueEntry,
+    self as shadow, Cache, Catalog, Channels, Contribution, LightContext, OptionTable, PassList, Registry,
+    ShadowError, ShadowTechnique, TechniqueEntry, Traits,
 };
 use shadowgraph_nodes::ShadowVolumeHard;
 use shadowgraph_nodes::common::volume::VolumeUniform;
@@ -108,7 +109,7 @@ pub fn try_plan_with(
     request: &FrameRequest,
     catalog: &Catalog,
     adapter: &Adapter<'_>,
-    cache: &mut Cache,
+    cache: &Cache,
 ) -> Result<FramePlan, FrameError> {
     let posed = scene.pose().expect("the scene is valid");
     plan_frame(&posed, &Registry::collect(&posed, catalog)?, request, adapter, cache)
@@ -116,7 +117,7 @@ pub fn try_plan_with(
 
 pub fn try_plan(scene: &Scene, request: &FrameRequest) -> Result<FramePlan, FrameError> {
     let catalog = shadowgraph_nodes::catalog();
-    try_plan_with(scene, request, &catalog, &Adapter::imagined(), &mut Cache::new())
+    try_plan_with(scene, request, &catalog, &Adapter::imagined(), &Cache::new())
 }
 
 pub fn plan(scene: &Scene, request: &FrameRequest) -> FramePlan {
@@ -193,47 +194,29 @@ impl Veil {
 }
 
 impl ShadowTechnique for Veil {
-    fn type_name(&self) -> &'static str {
-        "Veil"
-    }
-
     fn params(&self) -> Params {
         Params::new()
     }
 
-    fn known_error(&self) -> &'static str {
-        "everything"
+    fn traits(&self) -> Traits {
+        Traits { known_error: "everything", ..Traits::default() }
     }
 
     fn casts(&self, _: &Instance) -> Result<bool, String> {
         Ok(true)
     }
 
-    fn plan(&self, light: &mut LightPlan<'_>) -> Result<(), ShadowError> {
-        let target = light.multiply_visibility(Channels::One);
-        let source = shadowgraph_shaders::compose_named("resolve_mask", &[]).expect("it composes");
-        let draw = Draw {
-            name: "veil".into(),
-            shader: Some(Shader {
-                name: "veil".into(),
-                source: source.into(),
-                vertex: "fullscreen_vertex".into(),
-                fragment: Some("darken".into()),
-            }),
-            state: DrawState::new(shadowgraph_engine::plan::CompareFunction::Always, vec![None]),
-            geometry: Geometry::Procedural { vertices: 3, instances: 1 },
-            bindings: vec![],
-            scissor_px: None,
-        };
-        let name = format!("veil of {}", light.light().name);
-        light.pass(Pass {
-            name,
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
+        let shader = Shader::composed("resolve_mask", &[], "fullscreen_vertex", Some("darken"))?;
+        let state = DrawState::new(shadowgraph_engine::plan::CompareFunction::Always, vec![None]);
+        out.pass(shadow::Pass {
+            name: format!("veil of {}", light.light().name),
             reason: "a test".into(),
-            colors: vec![target],
+            colors: vec![shadow::ColorTarget::VISIBILITY],
             depth: None,
-            draws: vec![draw],
+            draws: vec![shadow::Draw::new("veil", shadow::Geometry::fullscreen(shader), state)],
         });
-        Ok(())
+        Ok(Contribution::visibility(Channels::One))
     }
 }
 

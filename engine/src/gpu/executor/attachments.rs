@@ -1,12 +1,12 @@
 //! Texture views, and attachments as the API wants them.
 
 use super::encode::Scene;
-use crate::plan::{Access, Binding, ColorTarget, DepthTarget, Load};
+use crate::plan::{Access, Binding, ColorTarget, DepthTarget, Load, SlotId};
 
 pub(super) fn binding_view(scene: &Scene<'_>, binding: &Binding) -> Option<wgpu::TextureView> {
     let mut descriptor = wgpu::TextureViewDescriptor::default();
     match binding {
-        Binding::Storage(_) => return None,
+        Binding::Storage(_) | Binding::Comparison(_) => return None,
         Binding::Texture(slot) => {
             descriptor.dimension = Some(wgpu::TextureViewDimension::D2);
             descriptor.array_layer_count = Some(1);
@@ -14,15 +14,23 @@ pub(super) fn binding_view(scene: &Scene<'_>, binding: &Binding) -> Option<wgpu:
                 descriptor.aspect = wgpu::TextureAspect::DepthOnly;
             }
         }
-        Binding::TextureArray(_) => descriptor.dimension = Some(wgpu::TextureViewDimension::D2Array),
-        Binding::TextureLayer(_, layer) => {
+        Binding::TextureArray(slot) => {
+            descriptor.dimension = Some(wgpu::TextureViewDimension::D2Array);
+            if scene.format(*slot).is_depth_stencil_format() {
+                descriptor.aspect = wgpu::TextureAspect::DepthOnly;
+            }
+        }
+        Binding::TextureLayer(slot, layer) => {
+            if scene.format(*slot).is_depth_stencil_format() {
+                descriptor.aspect = wgpu::TextureAspect::DepthOnly;
+            }
             descriptor.dimension = Some(wgpu::TextureViewDimension::D2Array);
             descriptor.base_array_layer = *layer;
             descriptor.array_layer_count = Some(1);
         }
         Binding::StencilOf(_) => descriptor.aspect = wgpu::TextureAspect::StencilOnly,
     }
-    scene.view(binding.slot(), &descriptor)
+    scene.view(binding.resource()?, &descriptor)
 }
 
 /// The view that is drawn into, and the one it is resolved into.
@@ -30,18 +38,21 @@ pub(super) fn color_views(
     scene: &Scene<'_>,
     color: &ColorTarget,
 ) -> Option<(wgpu::TextureView, Option<wgpu::TextureView>)> {
-    let layer = |slot, base_array_layer| {
-        scene.view(
-            slot,
-            &wgpu::TextureViewDescriptor {
-                dimension: Some(wgpu::TextureViewDimension::D2),
-                base_array_layer,
-                array_layer_count: Some(1),
-                ..Default::default()
-            },
-        )
-    };
-    Some((layer(color.slot, color.layer)?, color.resolve.and_then(|slot| layer(slot, 0))))
+    let resolve = color.resolve.and_then(|slot| layer_view(scene, slot, 0));
+    Some((layer_view(scene, color.slot, color.layer)?, resolve))
+}
+
+/// One layer of a texture, all its aspects.
+pub(super) fn layer_view(
+    scene: &Scene<'_>,
+    slot: SlotId,
+    base_array_layer: u32,
+) -> Option<wgpu::TextureView> {
+    let dimension = Some(wgpu::TextureViewDimension::D2);
+    let array_layer_count = Some(1);
+    let descriptor =
+        wgpu::TextureViewDescriptor { dimension, base_array_layer, array_layer_count, ..Default::default() };
+    scene.view(slot, &descriptor)
 }
 
 pub(super) fn color_attachment<'a>(
@@ -50,7 +61,8 @@ pub(super) fn color_attachment<'a>(
 ) -> wgpu::RenderPassColorAttachment<'a> {
     let load = match color.load {
         Load::Clear([r, g, b, a]) => wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
-        Load::Keep | Load::Anything => wgpu::LoadOp::Load,
+        // What is cleared in part is drawn over.
+        Load::Keep | Load::ClearWithin(..) => wgpu::LoadOp::Load,
     };
     wgpu::RenderPassColorAttachment {
         view,

@@ -90,10 +90,11 @@ impl Executor {
 
     /// The bytes of everything that is on the GPU now.
     fn kept_bytes(&self) -> u64 {
-        let textures = self.textures.keys().map(|(_, format, size_px, layers, samples)| {
+        let textures = self.textures.iter().map(|((_, format, size_px, layers, samples), textures)| {
             let (format, size_px, layers, samples) = (*format, *size_px, *layers, *samples);
             let kind = SlotKind::Texture { format, size_px, layers, samples };
-            Slot { name: String::new(), kind, reason: String::new(), kept: None }.bytes()
+            let slot = Slot { name: String::new(), kind, reason: String::new(), kept: None };
+            slot.bytes() * textures.len() as u64
         });
         let buffers = self.buffers.values().map(|kept| kept.value.size());
         textures.sum::<u64>()
@@ -112,7 +113,7 @@ fn drawn<'a>(
     let (mut meshes, mut materials) = (HashMap::new(), HashMap::new());
     for draw in plan.passes.iter().flat_map(|pass| &pass.draws) {
         match &draw.geometry {
-            Geometry::Surfaces { parts, .. } => {
+            Geometry::Surfaces { parts, .. } | Geometry::PulledSurfaces { parts, .. } => {
                 for (instance, part) in parts {
                     let instance = &inputs.posed.instances[*instance as usize];
                     meshes.insert(instance.mesh.id(), &*instance.mesh);
@@ -124,7 +125,7 @@ fn drawn<'a>(
                 let mesh = &inputs.posed.instances[*instance as usize].mesh;
                 meshes.insert(mesh.id(), mesh);
             }
-            Geometry::Listed { .. } | Geometry::Procedural { .. } => {}
+            Geometry::IndexedProcedural { .. } | Geometry::Procedural { .. } => {}
         }
     }
     (meshes, materials)

@@ -1,6 +1,7 @@
 //! Recording one group of passes.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use wgpu::TextureFormat;
 
@@ -9,12 +10,13 @@ use super::super::groups::{PassGroup, place_of};
 use super::super::materials::{FEATURE_FLAGS, MASKED, SURFACE_FUNCTION, features};
 use super::super::meshes::GpuMesh;
 use super::super::pipelines::{Culling, Wanted};
-use super::attachments::{binding_view, color_attachment, color_views, depth_attachment};
+use super::attachments::{binding_view, color_attachment, color_views, depth_attachment, layer_view};
 use super::surface::{Surface, draw_kinds};
 use super::{Executor, GpuSlot};
 use crate::plan::{
-    Antialias, Binding, BlendState, CompareFunction, Draw, FactorAt, FramePlan, Geometry, Pass, Shader,
-    SlotId, SlotKind, SurfaceStyle,
+    Antialias, Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, ColorTarget,
+    CompareFunction, Draw, DrawState, FactorAt, FramePlan, Geometry, Load, Pass, PulledStyle, Shader,
+    ShaderError, SlotId, SlotKind, SurfaceStyle,
 };
 use crate::scene::{Instance, Material, Posed};
 
@@ -116,7 +118,7 @@ impl Executor {
             .zip(&views)
             .map(|(color, views)| Some(color_attachment(color, views)))
             .collect();
-        let depth_view = group.depth.as_ref().and_then(|depth| scene.view(depth.slot, &Default::default()));
+        let depth_view = group.depth.as_ref().and_then(|depth| layer_view(scene, depth.slot, depth.layer));
         let depth_stencil_attachment =
             group.depth.as_ref().zip(depth_view.as_ref()).map(|(depth, view)| depth_attachment(depth, view));
         let label = passes.first().map(|pass| pass.name.as_str());
@@ -131,16 +133,19 @@ impl Executor {
         render.set_bind_group(0, scene.frame_group, &[]);
         let formats: Vec<_> = group.colors.iter().map(|color| scene.format(color.slot)).collect();
         let mut draw_groups = DrawGroups::new();
-        for pass in passes {
+        let clears = partial_clears(&group.colors)?;
+        for pass in clears.iter().chain(passes) {
             let first = pass.colors.first().map(|c| c.slot).or(pass.depth.as_ref().map(|d| d.slot));
             let size = first.and_then(|slot| scene.texture(slot)).map(|t| [t.width(), t.height()]);
+            let whole = size.map(|[w, h]| [0, 0, w, h]).unwrap_or_default();
             for draw in &pass.draws {
-                let [x, y, width, height] =
-                    draw.scissor_px.or(size.map(|[w, h]| [0, 0, w, h])).unwrap_or_default();
+                let [x, y, width, height] = draw.scissor_px.unwrap_or(whole);
                 if width == 0 || height == 0 {
                     continue;
                 }
                 render.set_scissor_rect(x, y, width, height);
+                let [x, y, width, height] = draw.state.viewport_px.unwrap_or(whole).map(|px| px as f32);
+                render.set_viewport(x, y, width, height, 0.0, 1.0);
                 if let Some(stencil) = draw.state.stencil {
                     render.set_stencil_reference(stencil.reference.into());
                 }
@@ -174,29 +179,25 @@ impl Executor {
                     self.encode_surface(recording, (*style, *index, *part), groups, render)?;
                 }
             }
-            Geometry::Indexed { instance, indices, first, count, record } => {
-                let Some(shader) = &draw.shader else { return Ok(()) };
+            Geometry::PulledSurfaces { shader, style, parts, .. } => {
+                for (index, part) in parts {
+                    self.encode_pulled(recording, shader, (*style, *index, *part), groups, render)?;
+                }
+            }
+            Geometry::Indexed { shader, instance, indices, first, count, record } => {
                 let mesh = &scene.posed.instances[*instance as usize];
                 self.set_pipeline(recording, shader, Surface::Technique { indexed: true }, render)?;
                 let group = self.draw_group(scene, draw, Some(mesh), None, groups);
                 render.set_bind_group(1, &group, &[]);
-                if let GpuSlot::Buffer(buffer) = &scene.slots[indices.0] {
-                    render.set_index_buffer(buffer.slice(..), wgpu::IndexFormat::Uint32);
-                    render.draw_indexed(*first..first + count, 0, *record..record + 1);
-                }
+                draw_indices(scene, (*indices, *first, *count, *record), render);
             }
-            Geometry::Listed { indices, first, count, record } => {
-                let Some(shader) = &draw.shader else { return Ok(()) };
+            Geometry::IndexedProcedural { shader, indices, first, count, record } => {
                 self.set_pipeline(recording, shader, Surface::Technique { indexed: false }, render)?;
                 let group = self.draw_group(scene, draw, None, None, groups);
                 render.set_bind_group(1, &group, &[]);
-                if let GpuSlot::Buffer(buffer) = &scene.slots[indices.0] {
-                    render.set_index_buffer(buffer.slice(..), wgpu::IndexFormat::Uint32);
-                    render.draw_indexed(*first..first + count, 0, *record..record + 1);
-                }
+                draw_indices(scene, (*indices, *first, *count, *record), render);
             }
-            Geometry::Procedural { vertices, instances } => {
-                let Some(shader) = &draw.shader else { return Ok(()) };
+            Geometry::Procedural { shader, vertices, instances } => {
                 self.set_pipeline(recording, shader, Surface::Technique { indexed: false }, render)?;
                 let group = self.draw_group(scene, draw, None, None, groups);
                 render.set_bind_group(1, &group, &[]);
@@ -218,40 +219,52 @@ impl Executor {
         let material = &instance.materials[part as usize];
         let triangles = &instance.mesh.data().parts[part as usize].triangles;
         let run = triangles.start * 3..triangles.end * 3;
-        let culling = match (material.double_sided, instance.world_from_local.matrix3.determinant() < 0.0) {
-            (true, _) => Culling::None,
-            (false, false) => Culling::Back,
-            (false, true) => Culling::BackMirrored,
-        };
-        let Some(shader) =
-            draw.shader.clone().or_else(|| self.surface_shader(scene, (style, draw), instance, material))
-        else {
-            return Ok(());
-        };
+        let shader = self.surface_shader(scene, (style, draw), instance, material)?;
+        let culling = culling_of(instance, material);
         let surface = Surface::Mesh { style, masked: material.cutoff().is_some(), culling };
         self.set_pipeline(recording, &shader, surface, render).map_err(|error| {
             let is_depth = matches!(style, SurfaceStyle::Depth | SurfaceStyle::Before);
             let function = material.surface.as_ref().filter(|_| !is_depth);
             function.map_or(error.clone(), |function| error.of(material, function, &self.gpu))
         })?;
-        let pulled = style.is_pulled().then_some(surface);
-        let group = self.draw_group(scene, draw, Some(instance), pulled, groups);
+        let group = self.draw_group(scene, draw, Some(instance), None, groups);
         render.set_bind_group(1, &group, &[]);
         let Some(mesh) = self.meshes.get(&instance.mesh) else { return Ok(()) };
-        if surface.has_material()
-            && let Some(group) = self.materials.get(material)
-        {
-            render.set_bind_group(2, group, &[]);
-        }
-        if style.is_pulled() {
-            render.draw(run, index..index + 1);
-            return Ok(());
-        }
+        self.set_material(surface, material, render);
         render.set_vertex_buffer(0, mesh.positions.slice(..));
         render.set_vertex_buffer(1, mesh.attributes.slice(..));
         render.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
         render.draw_indexed(run, 0, index..index + 1);
         Ok(())
+    }
+
+    fn encode_pulled(
+        &mut self,
+        recording: &Recording<'_>,
+        shader: &Shader,
+        (style, index, part): (PulledStyle, u32, u32),
+        groups: &mut DrawGroups,
+        render: &mut wgpu::RenderPass<'_>,
+    ) -> Result<(), GpuError> {
+        let Recording { scene, draw, .. } = *recording;
+        let instance = &scene.posed.instances[index as usize];
+        let material = &instance.materials[part as usize];
+        let triangles = &instance.mesh.data().parts[part as usize].triangles;
+        let surface = Surface::Pulled { style, culling: culling_of(instance, material) };
+        self.set_pipeline(recording, shader, surface, render)?;
+        let group = self.draw_group(scene, draw, Some(instance), Some(surface), groups);
+        render.set_bind_group(1, &group, &[]);
+        self.set_material(surface, material, render);
+        render.draw(triangles.start * 3..triangles.end * 3, index..index + 1);
+        Ok(())
+    }
+
+    fn set_material(&self, surface: Surface, material: &Arc<Material>, render: &mut wgpu::RenderPass<'_>) {
+        if surface.has_material()
+            && let Some(group) = self.materials.get(material)
+        {
+            render.set_bind_group(2, group, &[]);
+        }
     }
 
     fn set_pipeline(
@@ -277,7 +290,7 @@ impl Executor {
             kinds: &kinds,
             with_material: surface.has_material(),
             input: surface.input(),
-            culling: if let Surface::Mesh { culling, .. } = surface { culling } else { Culling::None },
+            culling: surface.culling(),
             targets,
             depth_format: recording.depth_format,
             samples: recording.samples,
@@ -295,7 +308,7 @@ impl Executor {
         (style, draw): (SurfaceStyle, &Draw),
         instance: &Instance,
         material: &Material,
-    ) -> Option<Shader> {
+    ) -> Result<Shader, GpuError> {
         let mut features = features(material, &instance.mesh, scene.posed.lights.len());
         if scene.plan.antialias == Antialias::Multisample4
             && draw.state.depth_compare == CompareFunction::Equal
@@ -303,14 +316,13 @@ impl Executor {
             // The prepass has cut the holes; a fragment whose middle is in one may still have samples beside it.
             features &= !(1 << MASKED);
         }
-        let (name, fragment): (&str, Option<&'static str>) = match style {
+        let (name, fragment): (&'static str, Option<&'static str>) = match style {
             SurfaceStyle::Depth if material.cutoff().is_some() => ("surface_shade", Some("masked_depth")),
             SurfaceStyle::Depth => ("surface_depth", None),
             SurfaceStyle::Opaque => ("surface_shade", Some("opaque")),
             SurfaceStyle::Blended => ("surface_shade", Some("blended")),
             SurfaceStyle::Tint => ("surface_shade", Some("shine_through")),
             SurfaceStyle::Before => ("surface_before", Some("before")),
-            SurfaceStyle::Pulled | SurfaceStyle::PulledMasked => return None,
         };
         // Depth has nothing to reflect.
         let is_depth = matches!(style, SurfaceStyle::Depth | SurfaceStyle::Before);
@@ -324,33 +336,28 @@ impl Executor {
             read |= u32::from(light.more_factors.is_empty()) << 8;
         }
         // A texture of one channel reads as (r, 0, 0, 1): its one factor is that of all colours.
-        let one_channel =
-            |(_, binding): &(u32, Binding)| scene.format(binding.slot()) == TextureFormat::R16Float;
+        let one_channel = |(_, binding): &(u32, Binding)| {
+            binding.resource().is_some_and(|slot| scene.format(slot) == TextureFormat::R16Float)
+        };
         read |= u32::from(draw.bindings.iter().any(one_channel)) << 4;
         read |= u32::from(scene.plan.lights.iter().any(|light| !light.smooth_terminators.is_empty())) << 5;
         // Where no factor is read, none holds the surface's own shadow.
         let own_shadow = scene.plan.lights.iter().any(|light| light.own_shadow) && read & FACTOR_FLAGS != 0;
         read |= u32::from(own_shadow) << 6;
-        let shader =
-            self.surface_shaders.entry((style, read, features, function.cloned())).or_insert_with(|| {
-                let read_flags = READ_FLAGS.iter().enumerate().filter(|(bit, _)| read >> bit & 1 == 1);
-                let has_flags = FEATURE_FLAGS.iter().enumerate().filter(|(bit, _)| features >> bit & 1 == 1);
-                let flags: Vec<&str> = read_flags.chain(has_flags).map(|(_, flag)| *flag).collect();
-                let source = shadowgraph_shaders::compose_named(name, &flags).ok()?;
-                let (name, source) = match function {
-                    Some(function) => {
-                        (format!("{name} by '{}'", function.name()), function.appended_to(source))
-                    }
-                    None => (name.to_owned(), source),
-                };
-                Some(Shader {
-                    name: format!("{name} {}", flags.join(" ")).into(),
-                    source: source.into(),
-                    vertex: "vertex".into(),
-                    fragment: fragment.map(Into::into),
-                })
-            });
-        shader.clone()
+        let key = (style, read, features, function.cloned());
+        if let Some(shader) = self.surface_shaders.get(&key) {
+            return Ok(shader.clone());
+        }
+        let read_flags = READ_FLAGS.iter().enumerate().filter(|(bit, _)| read >> bit & 1 == 1);
+        let has_flags = FEATURE_FLAGS.iter().enumerate().filter(|(bit, _)| features >> bit & 1 == 1);
+        let flags: Vec<&str> = read_flags.chain(has_flags).map(|(_, flag)| *flag).collect();
+        let mut shader = Shader::composed(name, &flags, "vertex", fragment)?;
+        if let Some(function) = function {
+            shader.name = format!("{name} by '{}' {}", function.name(), flags.join(" ")).into();
+            shader.source = function.appended_to(shader.source.to_string()).into();
+        }
+        self.surface_shaders.insert(key, shader.clone());
+        Ok(shader)
     }
 
     /// Group 1: the mesh's own buffers where the geometry brings them, then the draw's bindings.
@@ -381,12 +388,23 @@ impl Executor {
                 resource: buffer.as_entire_binding(),
             }));
         }
+        let samplers: HashMap<CompareFunction, wgpu::Sampler> = draw
+            .bindings
+            .iter()
+            .filter_map(|(_, binding)| match binding {
+                Binding::Comparison(compare) => {
+                    Some((*compare, self.layouts.comparison(&self.gpu, *compare)))
+                }
+                _ => None,
+            })
+            .collect();
         let views: Vec<_> = draw.bindings.iter().map(|(_, binding)| binding_view(scene, binding)).collect();
         for ((number, binding), view) in draw.bindings.iter().zip(&views) {
-            let resource = match (&scene.slots[binding.slot().0], view) {
-                (GpuSlot::Buffer(buffer), _) => buffer.as_entire_binding(),
-                (GpuSlot::Texture(_), Some(view)) => wgpu::BindingResource::TextureView(view),
-                (GpuSlot::Texture(_), None) => continue,
+            let resource = match (binding, binding.resource().map(|slot| &scene.slots[slot.0]), view) {
+                (Binding::Comparison(compare), ..) => wgpu::BindingResource::Sampler(&samplers[compare]),
+                (_, Some(GpuSlot::Buffer(buffer)), _) => buffer.as_entire_binding(),
+                (_, Some(GpuSlot::Texture(_)), Some(view)) => wgpu::BindingResource::TextureView(view),
+                _ => continue,
             };
             entries.push(wgpu::BindGroupEntry { binding: *number, resource });
         }
@@ -397,5 +415,49 @@ impl Executor {
         });
         groups.insert(key, group.clone());
         group
+    }
+}
+
+/// Passes that clear what is cleared in part: no interface does, so that it is drawn.
+fn partial_clears(colors: &[ColorTarget]) -> Result<Vec<Pass>, ShaderError> {
+    let clear = |color: &ColorTarget| {
+        let Load::ClearWithin(value, within) = color.load else { return None };
+        Some(Shader::composed("resolve_mask", &[], "fullscreen_vertex", Some("mark")).map(|shader| {
+            let mut state = DrawState::new(CompareFunction::Always, vec![Some(BLEND_CONSTANT)]);
+            state.blend_constant = value;
+            let draw = Draw::new("clear", Geometry::fullscreen(shader), state);
+            let draws = vec![Draw { scissor_px: Some(within), ..draw }];
+            Pass { name: "clear".into(), reason: String::new(), colors: vec![*color], depth: None, draws }
+        }))
+    };
+    colors.iter().filter_map(clear).collect()
+}
+
+/// The blend constant, whatever the shader says: what resolve_mask says is 1.
+const BLEND_CONSTANT: BlendState = {
+    let constant = BlendComponent {
+        src_factor: BlendFactor::Constant,
+        dst_factor: BlendFactor::Zero,
+        operation: BlendOperation::Add,
+    };
+    BlendState { color: constant, alpha: constant }
+};
+
+fn culling_of(instance: &Instance, material: &Material) -> Culling {
+    match (material.double_sided, instance.world_from_local.matrix3.determinant() < 0.0) {
+        (true, _) => Culling::None,
+        (false, false) => Culling::Back,
+        (false, true) => Culling::BackMirrored,
+    }
+}
+
+fn draw_indices(
+    scene: &Scene<'_>,
+    (indices, first, count, record): (SlotId, u32, u32, u32),
+    render: &mut wgpu::RenderPass<'_>,
+) {
+    if let GpuSlot::Buffer(buffer) = &scene.slots[indices.0] {
+        render.set_index_buffer(buffer.slice(..), wgpu::IndexFormat::Uint32);
+        render.draw_indexed(first..first + count, 0, record..record + 1);
     }
 }

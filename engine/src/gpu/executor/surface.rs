@@ -3,12 +3,13 @@
 use super::super::bindings::{BindKind, SampleKind};
 use super::super::pipelines::{Culling, VertexInput};
 use super::encode::Scene;
-use crate::plan::{Binding, Draw, SurfaceStyle};
+use crate::plan::{Binding, Draw, PulledStyle, SurfaceStyle};
 
 /// The geometry of one draw.
 #[derive(Clone, Copy)]
 pub(super) enum Surface {
     Mesh { style: SurfaceStyle, masked: bool, culling: Culling },
+    Pulled { style: PulledStyle, culling: Culling },
     Technique { indexed: bool },
 }
 
@@ -17,7 +18,8 @@ impl Surface {
     pub(super) fn has_material(self) -> bool {
         match self {
             Self::Mesh { style: SurfaceStyle::Depth, masked, .. } => masked,
-            Self::Mesh { style: SurfaceStyle::Pulled, .. } | Self::Technique { .. } => false,
+            Self::Pulled { style, .. } => style == PulledStyle::PulledMasked,
+            Self::Technique { .. } => false,
             Self::Mesh { .. } => true,
         }
     }
@@ -25,18 +27,25 @@ impl Surface {
     /// How many bindings of group 1 its geometry brings: positions, indices, attributes.
     pub(super) fn own_bindings(self) -> u32 {
         match self {
-            Self::Mesh { style: SurfaceStyle::Pulled, .. } => 2,
-            Self::Mesh { style, .. } if style.is_pulled() => 3,
+            Self::Pulled { style: PulledStyle::Pulled, .. } => 2,
+            Self::Pulled { style: PulledStyle::PulledMasked, .. } => 3,
             Self::Technique { indexed: true } => 1,
-            _ => 0,
+            Self::Technique { indexed: false } | Self::Mesh { .. } => 0,
+        }
+    }
+
+    /// Which of its faces are dropped.
+    pub(super) fn culling(self) -> Culling {
+        match self {
+            Self::Mesh { culling, .. } | Self::Pulled { culling, .. } => culling,
+            Self::Technique { .. } => Culling::None,
         }
     }
 
     /// The vertex buffers its pipeline reads.
     pub(super) fn input(self) -> VertexInput {
         match self {
-            Self::Technique { .. } => VertexInput::None,
-            Self::Mesh { style, .. } if style.is_pulled() => VertexInput::None,
+            Self::Technique { .. } | Self::Pulled { .. } => VertexInput::None,
             Self::Mesh { style: SurfaceStyle::Depth, masked: false, .. } => VertexInput::Positions,
             Self::Mesh { .. } => VertexInput::All,
         }
@@ -47,9 +56,14 @@ impl Surface {
 pub(super) fn draw_kinds(scene: &Scene<'_>, draw: &Draw, surface: Surface) -> Vec<(u32, BindKind)> {
     let mut kinds: Vec<_> = (0..surface.own_bindings()).map(|binding| (binding, BindKind::Storage)).collect();
     for (number, binding) in &draw.bindings {
-        let sample = SampleKind::of(scene.format(binding.slot()));
-        let multisampled = scene.plan.slot(binding.slot()).samples() > 1;
+        let Some(slot) = binding.resource() else {
+            kinds.push((*number, BindKind::Comparison));
+            continue;
+        };
+        let sample = SampleKind::of(scene.format(slot));
+        let multisampled = scene.plan.slot(slot).samples() > 1;
         let kind = match binding {
+            Binding::Comparison(_) => BindKind::Comparison,
             Binding::Storage(_) => BindKind::Storage,
             Binding::Texture(_) => BindKind::Texture { sample, array: false, multisampled },
             Binding::TextureArray(_) | Binding::TextureLayer(..) => {

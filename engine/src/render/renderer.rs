@@ -146,7 +146,7 @@ impl Renderer {
             max_size_px: gpu.limits.max_texture_dimension_2d,
             multisampled: &gpu.multisampled,
         };
-        Ok(plan_frame(&posed, &registry, request, &adapter, &mut self.cache)?)
+        Ok(plan_frame(&posed, &registry, request, &adapter, &self.cache)?)
     }
 
     /// Renders one frame and waits for it. A device that is lost, now or since the last frame, is replaced by another,

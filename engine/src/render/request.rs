@@ -5,7 +5,7 @@ use std::ops::Range;
 use thiserror::Error;
 use wgpu::TextureFormat;
 
-use crate::plan::{Antialias, MULTISAMPLED_EVERYWHERE};
+use crate::plan::{Antialias, MULTISAMPLED_EVERYWHERE, ShaderError};
 use crate::scene::{PosedCamera, SurfaceFunctionError};
 use crate::shadow::ShadowError;
 
@@ -52,6 +52,8 @@ pub enum FrameError {
         "material '{material}' is unlit, so its surface function '{function}' has no light to reflect; it may have one of the two"
     )]
     UnlitFunction { material: String, function: String },
+    #[error(transparent)]
+    Shader(#[from] ShaderError),
     #[error(transparent)]
     Shadow(#[from] ShadowError),
 }

@@ -1,0 +1,33 @@
+//! Rendering: collects shadow nodes, plans the frame, has it executed. The only room that sees all others.
+//!
+//! [`plan_frame`] is the frame, stage by stage: each has a file. Techniques and stages write to *symbols* (the receivers'
+//! depth, this light's visibility); `lower` gives these their textures once all passes are known.
+
+mod darkening;
+mod exposure;
+mod factor_images;
+mod factors;
+mod frame;
+mod layer_count;
+mod layer_images;
+mod layers;
+mod light_passes;
+mod lights;
+mod lower;
+mod picture;
+mod prepass;
+mod renderer;
+mod request;
+mod resolve;
+mod schedule;
+mod seen;
+mod shading;
+mod sorted;
+mod states;
+mod surface_functions;
+mod surfaces;
+
+pub use exposure::Exposure;
+pub use frame::plan_frame;
+pub use renderer::{FactorImage, Frame, FrameLayer, RenderError, RenderOptions, Renderer};
+pub use request::{Adapter, FrameError, FrameRequest, PictureFormat};

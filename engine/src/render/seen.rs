@@ -1,0 +1,163 @@
+//! What each pixel shows, for techniques that ask and for whoever measures: the visible triangle and its normal; of every
+//! sample, where edges are smoothed by several samples a pixel.
+
+use super::lights::ReceiverPasses;
+use super::request::FrameError;
+use super::resolve::fullscreen;
+use super::schedule::{Inputs, Needs, Schedule, Scope, Seen};
+use crate::plan::{
+    Access, BlendState, CompareFunction, DrawState, Load, ShaderError, SlotId, Symbol, TextureDesc,
+    TextureFormat,
+};
+use crate::shadow::{Binding, ColorTarget, DepthTarget, Pass};
+
+/// The format of receivers' planes: a horizon is decided by all digits that positions have.
+pub(super) const RECEIVER_PLANES: TextureFormat = TextureFormat::Rgba32Uint;
+/// Where nothing is seen.
+const NO_PLANE: Load = Load::Clear([0.0; 4]);
+
+impl Seen {
+    /// Textures for what the passes of these receivers ask to know.
+    pub(super) fn asked_by<'a>(
+        inputs: &Inputs<'_>,
+        needs: &mut Needs,
+        passes: impl Iterator<Item = &'a ReceiverPasses> + Clone,
+    ) -> Self {
+        let asks = |symbol| passes.clone().any(|passes| passes.ask(symbol));
+        let (triangles, planes) = (asks(Symbol::VisibleTriangles), asks(Symbol::ReceiverPlanes));
+        let mut texture = |wanted: bool, name: &str, format, reason: &str| {
+            wanted.then(|| needs.texture(name, format, inputs.view.size_px, reason))
+        };
+        let reason = "a technique asks which triangle each pixel shows";
+        let triangles = texture(triangles, "visible triangles", TextureFormat::Rg32Uint, reason);
+        let reason = "a technique asks in which plane each pixel's surface lies";
+        Self { triangles, planes: texture(planes, "receiver planes", RECEIVER_PLANES, reason) }
+    }
+}
+
+/// Draws what each pixel of the opaque surfaces shows, as far as techniques ask or factors are measured, with a depth test
+/// of its own so that of two coincident surfaces the first drawn wins, as in the prepass. Where the triangles of every
+/// sample are wanted, there is a texel for each.
+///
+/// # Errors
+/// What the adapter cannot do with four samples a pixel.
+pub(super) fn add(
+    inputs: &Inputs<'_>,
+    needs: &mut Needs,
+    schedule: &mut Schedule<'_>,
+    opaque: &ReceiverPasses,
+) -> Result<Seen, FrameError> {
+    let mut seen = Seen::asked_by(inputs, needs, [opaque].into_iter());
+    if inputs.is_multisampled() {
+        // What each pixel shows is refused with several samples: techniques ask for nothing.
+        if inputs.request.factors {
+            seen.triangles = Some(triangles_of_samples(inputs, needs, schedule)?);
+        }
+        return Ok(seen);
+    }
+    if inputs.request.factors && seen.triangles.is_none() {
+        let reason = "measuring compares where reference and GPU see the same triangle";
+        let (format, size_px) = (TextureFormat::Rg32Uint, inputs.view.size_px);
+        seen.triangles = Some(needs.texture("visible triangles", format, size_px, reason));
+    }
+    let triangles = seen.triangles.map(|slot| ColorTarget::new(slot, no_triangle()));
+    let planes = seen.planes.map(|slot| ColorTarget::new(slot, NO_PLANE));
+    let (name, reason, shader): (_, _, (_, &[&str])) = match (seen.triangles, seen.planes) {
+        (None, None) => return Ok(seen),
+        (None, Some(_)) => (
+            "receiver planes",
+            "a technique asks in which plane each pixel's surface lies",
+            ("receiver_plane", &["PLANES"]),
+        ),
+        (Some(_), None) => ("visible triangles", triangles_reason(inputs), ("visible_triangle", &[])),
+        (Some(_), Some(_)) => (
+            "visible triangles and receiver planes",
+            triangles_reason(inputs),
+            ("triangle_and_plane", &["PLANES"]),
+        ),
+    };
+    let colors = triangles.into_iter().chain(planes).collect();
+    let pass = seen_pass(inputs, needs, (name, reason), shader, (colors, 1))?;
+    schedule.push(&Scope::default(), pass);
+    Ok(seen)
+}
+
+fn triangles_reason(inputs: &Inputs<'_>) -> &'static str {
+    if inputs.request.factors {
+        "measuring compares where reference and GPU see the same triangle"
+    } else {
+        "a technique asks which triangle each pixel shows"
+    }
+}
+
+/// What stands where no surface is.
+pub(super) fn no_triangle() -> Load {
+    let nothing = f64::from(u32::MAX);
+    Load::Clear([nothing, nothing, 0.0, 0.0])
+}
+
+/// A pass over what is seen, one pixel or sample one triangle.
+fn seen_pass(
+    inputs: &Inputs<'_>,
+    needs: &mut Needs,
+    (name, reason): (&str, &str),
+    (fragment, flags): (&'static str, &[&str]),
+    (colors, samples): (Vec<ColorTarget>, u32),
+) -> Result<Pass, ShaderError> {
+    let (format, size_px) = (TextureFormat::Depth32Float, inputs.view.size_px);
+    let depth = TextureDesc::new("depth of visible triangles", format, size_px, reason);
+    let depth = needs.slots.texture(TextureDesc { samples, ..depth });
+    let mut state = DrawState::new(CompareFunction::Greater, vec![Some(BlendState::REPLACE); colors.len()]);
+    state.depth_write = true;
+    let shader = ("surface_measure", flags, fragment);
+    Ok(Pass {
+        name: name.into(),
+        reason: reason.into(),
+        colors,
+        depth: Some(DepthTarget::new(depth, Access::Clear(0.0))),
+        draws: inputs.pulled_runs(&inputs.surfaces.opaque, shader, &state, &[])?,
+    })
+}
+
+/// The visible triangle of every sample, a texel each.
+fn triangles_of_samples(
+    inputs: &Inputs<'_>,
+    needs: &mut Needs,
+    schedule: &mut Schedule<'_>,
+) -> Result<SlotId, FrameError> {
+    let (reason, samples) = (triangles_reason(inputs), inputs.request.antialias.samples());
+    // No format of 64 bits and two channels has samples; one of four channels does.
+    let format = TextureFormat::Rgba16Uint;
+    inputs.adapter.check_multisampled("visible triangles", format)?;
+    let name = "visible triangles in samples";
+    let desc = TextureDesc { samples, ..TextureDesc::new(name, format, inputs.view.size_px, reason) };
+    let in_samples = needs.slots.texture(desc);
+    let color = ColorTarget::new(in_samples, Load::Clear([65535.0; 4]));
+    let shader: (_, &[&str]) = ("visible_triangle", &["HALVES"]);
+    let pass = seen_pass(inputs, needs, ("visible triangles", reason), shader, (vec![color], samples))?;
+    schedule.push(&Scope::default(), pass);
+    let size_px = inputs.request.antialias.factor_size_px(inputs.request.size_px);
+    let (name, format) = ("visible triangles", TextureFormat::Rg32Uint);
+    let slot = needs.texture(name, format, size_px, "a texel for every sample");
+    let bindings = vec![(0, Binding::Texture(in_samples.into()))];
+    schedule.push(&Scope::default(), sample_pass(name, slot, ("triangle", &[]), bindings)?);
+    Ok(slot)
+}
+
+/// A pass that writes a texel for every sample.
+pub(super) fn sample_pass(
+    name: &str,
+    slot: SlotId,
+    (fragment, flags): (&'static str, &[&str]),
+    bindings: Vec<(u32, Binding)>,
+) -> Result<Pass, ShaderError> {
+    let state = DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]);
+    let draw = fullscreen("samples", ("sample_images", flags, fragment), state)?;
+    Ok(Pass {
+        name: format!("{name} of samples"),
+        reason: "the factor of every sample was asked for".into(),
+        colors: vec![ColorTarget::new(slot, Load::Clear([0.0; 4]))],
+        depth: None,
+        draws: vec![draw.reading(bindings)],
+    })
+}

@@ -1,0 +1,146 @@
+//! What a technique gets to know: one light, its casters, the receivers and the view.
+
+use super::{Apply, Cache, Claim, Layer, ShadowError, culling};
+use crate::math::{Aabb, ViewFrustum};
+use crate::scene::{Instance, Posed, PosedCamera, PosedLight};
+
+/// From where, and how large, the frame is seen.
+#[derive(Clone, Debug)]
+pub struct View {
+    /// The camera.
+    pub camera: PosedCamera,
+    /// Width and height of the picture, in pixels.
+    pub size_px: [u32; 2],
+    /// What the camera sees.
+    pub frustum: ViewFrustum,
+    /// The box around every surface that may receive a shadow in this view, in the world. Where it ends, volumes
+    /// may end too.
+    pub receiver_bounds: Aabb,
+}
+
+/// The lights that may have smooth terminators: a bit for each of them goes with every instance.
+pub const MAX_SMOOTH_LIGHTS: usize = 32;
+
+/// One light as the technique of one node sees it that serves it.
+#[derive(Clone, Copy, Debug)]
+pub struct LightContext<'a> {
+    /// The scene.
+    pub posed: &'a Posed,
+    /// The view.
+    pub view: &'a View,
+    /// What the adapter can do.
+    pub features: wgpu::Features,
+    /// The adapter's name, for errors.
+    pub adapter: &'a str,
+    /// Results that persist between frames.
+    pub cache: &'a Cache,
+    pub(crate) light_index: usize,
+    pub(crate) claim: &'a Claim,
+    pub(crate) layer: Option<Layer>,
+    pub(crate) has_size: bool,
+    pub(crate) counts_before: CountsBefore,
+}
+
+/// Bounds on what others have counted in the stencil so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct CountsBefore {
+    /// For this light.
+    pub(crate) light: u32,
+    /// For all lights that darken the finished picture once.
+    pub(crate) darkening: u32,
+}
+
+impl<'a> LightContext<'a> {
+    /// The light.
+    pub fn light(&self) -> &'a PosedLight {
+        &self.posed.lights[self.light_index]
+    }
+
+    /// The light's number: its place in [`Posed::lights`] and in the `lights` of `common/lights`.
+    pub fn light_index(&self) -> usize {
+        self.light_index
+    }
+
+    /// The shadow node's name.
+    pub fn node(&self) -> &'a str {
+        &self.claim.node
+    }
+
+    /// The casters: (index into [`Posed::instances`], instance).
+    pub fn casters(&self) -> impl Iterator<Item = (usize, &'a Instance)> + use<'a> {
+        let posed = self.posed;
+        self.claim.casters.iter().map(move |index| (*index, &posed.instances[*index]))
+    }
+
+    /// The receivers the node names: (index into [`Posed::instances`], instance).
+    pub fn receivers(&self) -> impl Iterator<Item = (usize, &'a Instance)> + use<'a> {
+        let posed = self.posed;
+        self.claim.receivers.iter().map(move |index| (*index, &posed.instances[*index]))
+    }
+
+    /// Whether a caster within `bounds` may shadow something in view; the reason when it certainly does not.
+    ///
+    /// # Errors
+    /// The reason why it cannot matter, for a note.
+    pub fn may_shadow(&self, bounds: &Aabb) -> Result<(), &'static str> {
+        culling::may_shadow(self.view, self.light(), bounds)
+    }
+
+    /// Which of the transparent surfaces at each pixel the receivers are; `None` for the opaque surfaces. Techniques
+    /// that ask for layers ([`Traits::receiver_layers`](super::Traits)) are called for the opaque
+    /// surfaces first. Where a pixel has no such surface, depth is 0 for [`Layer::FromEye`], 1 for
+    /// [`Layer::FromBehind`].
+    ///
+    /// Layers hide nothing: of a layer's pixel, opaque casters nearer to the eye than the layer are not in view, and
+    /// transparent ones may be.
+    pub fn layer(&self) -> Option<Layer> {
+        self.layer
+    }
+
+    /// Whether some technique that serves this light takes it to have a size. Then a surface that is turned away from the
+    /// light's centre may still see a part of it: what other techniques leave there counts, and the surface's own plane is
+    /// to darken nothing.
+    pub fn has_size(&self) -> bool {
+        self.has_size
+    }
+
+    /// A bound on what others have counted in the stencil so far: for this light, or for all lights that darken the
+    /// finished picture once, where `apply` says that this node does so too. A technique whose sum with it would exceed
+    /// 223 folds first.
+    pub fn counts_before(&self, apply: Apply) -> u32 {
+        match apply {
+            Apply::DarkenOnce { .. } => self.counts_before.darkening,
+            Apply::Light { .. } | Apply::DarkenPicture { .. } => self.counts_before.light,
+        }
+    }
+
+    /// Whether this is one of the lights that can have smooth terminators: the first [`MAX_SMOOTH_LIGHTS`] of the scene.
+    pub fn can_smooth_terminators(&self) -> bool {
+        self.light_index < MAX_SMOOTH_LIGHTS
+    }
+
+    /// Checks that the adapter has `needed`.
+    ///
+    /// # Errors
+    /// [`ShadowError::MissingFeature`] with `purpose` in its text.
+    pub fn require(&self, needed: wgpu::Features, purpose: &str) -> Result<(), ShadowError> {
+        if self.features.contains(needed) {
+            return Ok(());
+        }
+        Err(ShadowError::MissingFeature {
+            node: self.claim.node.clone(),
+            technique: self.claim.type_name,
+            needed: format!("{needed:?} ({purpose})"),
+            adapter: self.adapter.into(),
+        })
+    }
+
+    /// A refusal of this node for `reason`.
+    pub fn unsupported(&self, reason: impl Into<String>) -> ShadowError {
+        ShadowError::Unsupported {
+            node: self.claim.node.clone(),
+            technique: self.claim.type_name,
+            reason: reason.into(),
+        }
+    }
+}
