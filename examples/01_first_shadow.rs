@@ -6,7 +6,6 @@ mod common;
 
 use std::error::Error;
 
-use glam::{Vec2, Vec3};
 use shadowgraph::prelude::*;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -27,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Light, and the node that makes it cast shadows: over all lights and all meshes, unless it is told otherwise.
     let lamp = Light::point("lamp", 60.0).with_color(Vec3::new(1.0, 0.88, 0.72));
-    scene.add_light(lamp, DVec3::new(-3.4, 4.2, 2.6), DVec3::ZERO);
+    scene.add_lamp(lamp, DVec3::new(-3.4, 4.2, 2.6));
     scene.add_shadow("shadows", ShadowVolumeHard::default());
 
     let camera = Camera::perspective("eye", 0.62);

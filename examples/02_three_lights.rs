@@ -8,7 +8,6 @@ mod common;
 
 use std::error::Error;
 
-use glam::{Vec2, Vec3};
 use shadowgraph::engine::geometry::shapes::Ends;
 use shadowgraph::engine::scene::LightKind;
 use shadowgraph::prelude::*;
@@ -32,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     scene.add_light(moon, DVec3::new(-3.0, 4.0, -5.0), DVec3::ZERO);
     // Light from one point, in candela. It fades to nothing at its range, and beyond it there is no shadow to draw.
     let lamp = Light::point("lamp", 6.0).with_color(Vec3::new(1.0, 0.62, 0.25)).with_range(6.5);
-    scene.add_light(lamp, DVec3::new(-0.7, 1.7, 1.0), DVec3::ZERO);
+    scene.add_lamp(lamp, DVec3::new(-0.7, 1.7, 1.0));
     // Light within a cone, in candela; the angle is from the axis to the edge.
     let spot = Light::spot("spot", 42.0, 0.34).with_color(Vec3::new(1.0, 0.25, 0.5));
     scene.add_light(spot, DVec3::new(5.0, 4.2, 0.5), DVec3::new(0.6, 0.0, 0.0));

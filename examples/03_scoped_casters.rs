@@ -10,7 +10,6 @@ mod common;
 use std::error::Error;
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3};
 use shadowgraph::engine::geometry::shapes::Ends;
 use shadowgraph::engine::scene::NodeKey;
 use shadowgraph::prelude::*;
@@ -45,9 +44,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     row(&mut scene, "pyramids", pyramid, Vec3::splat(0.6), -2.0)?;
 
     let warm = Light::point("warm", 45.0).with_color(Vec3::new(1.0, 0.6, 0.25));
-    let warm = scene.add_light(warm, DVec3::new(-4.6, 4.6, 1.5), DVec3::ZERO);
+    let warm = scene.add_lamp(warm, DVec3::new(-4.6, 4.6, 1.5));
     let cool = Light::point("cool", 45.0).with_color(Vec3::new(0.25, 0.5, 1.0));
-    let cool = scene.add_light(cool, DVec3::new(4.6, 4.6, 1.5), DVec3::ZERO);
+    let cool = scene.add_lamp(cool, DVec3::new(4.6, 4.6, 1.5));
 
     // A scope names nodes of the graph and stands for everything under them.
     let hard = || ShadowNode::from(ShadowVolumeHard::default());

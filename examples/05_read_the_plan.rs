@@ -6,7 +6,6 @@
 
 use std::error::Error;
 
-use glam::{Vec2, Vec3};
 use shadowgraph::engine::manager::{Adapter, plan_frame};
 use shadowgraph::engine::plan::FramePlan;
 use shadowgraph::engine::shadow::{Cache, Registry};

@@ -10,7 +10,6 @@ mod own_technique;
 use std::error::Error;
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3};
 use own_technique::{DiscShadow, disc_mesh};
 use shadowgraph::engine::geometry::shapes::Ends;
 use shadowgraph::engine::scene::{MeshKey, NodeKey, placed};
@@ -56,7 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 
     let lamp = Light::point("lamp", 60.0).with_color(Vec3::new(1.0, 0.84, 0.62));
-    let lamp = scene.add_light(lamp, DVec3::new(-2.4, 3.0, 4.6), DVec3::ZERO);
+    let lamp = scene.add_lamp(lamp, DVec3::new(-2.4, 3.0, 4.6));
     let sky = Light::directional("sky", 0.9).with_color(Vec3::new(0.5, 0.7, 1.0));
     let sky = scene.add_light(sky, DVec3::new(3.0, 2.6, 4.6), DVec3::ZERO);
 

@@ -9,7 +9,6 @@ mod common;
 
 use std::error::Error;
 
-use glam::{Vec2, Vec3};
 use shadowgraph::measure::{ErrorTable, evaluate, expect_shadow, pictures};
 use shadowgraph::prelude::*;
 
@@ -30,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     });
     scene.add_mesh(Mesh::new(band.named("band"))?, clay, DAffine3::IDENTITY);
     let lamp = Light::point("lamp", 40.0).with_color(Vec3::new(1.0, 0.8, 0.6));
-    scene.add_light(lamp, DVec3::new(-2.5, 4.5, 1.5), DVec3::ZERO);
+    scene.add_lamp(lamp, DVec3::new(-2.5, 4.5, 1.5));
     let moon = Light::directional("moon", 1.0).with_color(Vec3::new(0.55, 0.7, 1.0));
     scene.add_light(moon, DVec3::new(3.0, 4.0, -1.0), DVec3::ZERO);
     scene.add_shadow("shadows", ShadowVolumeHard::default());

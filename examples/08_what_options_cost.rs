@@ -72,10 +72,10 @@ fn stack(layers: u32) -> Result<Scene, Box<dyn Error>> {
         shapes::cuboid(Vec3::new(-0.25, y, -0.25), Vec3::new(0.25, y + pitch * 0.5, 0.25))
     });
     let mut scene = Scene::new();
-    let floor = shapes::plane(glam::Vec2::splat(4.0)).named("floor");
+    let floor = shapes::plane(Vec2::splat(4.0)).named("floor");
     scene.add_mesh(Mesh::new(floor)?, Material::default(), DAffine3::IDENTITY);
     scene.add_mesh(Mesh::new(MeshData::merged("boxes", boxes))?, Material::default(), DAffine3::IDENTITY);
-    scene.add_light(Light::point("lamp", 60.0), DVec3::new(0.0, 6.0, 0.0), DVec3::ZERO);
+    scene.add_lamp(Light::point("lamp", 60.0), DVec3::new(0.0, 6.0, 0.0));
     scene.add_camera(Camera::perspective("main", 0.8), DVec3::new(1.5, 2.5, 3.0), DVec3::new(0.0, 0.4, 0.0));
     Ok(scene)
 }
@@ -228,7 +228,7 @@ fn clipped_area(polygon: Vec<DVec4>) -> f64 {
         }
         kept
     });
-    let ndc: Vec<glam::DVec2> =
+    let ndc: Vec<DVec2> =
         inside.iter().filter(|p| p.w > 0.0).map(|p| p.truncate().truncate() / p.w).collect();
     let cross = |i: usize| ndc[i].perp_dot(ndc[(i + 1) % ndc.len()]);
     ((0..ndc.len()).map(cross).sum::<f64>() * 0.5).abs()

@@ -12,7 +12,6 @@ mod common;
 
 use std::error::Error;
 
-use glam::{Vec2, Vec3};
 use shadowgraph::engine::geometry::shapes::Ends;
 use shadowgraph::engine::scene::NodeKey;
 use shadowgraph::prelude::*;
@@ -56,7 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     scene.add_mesh(ball, Material::matt("ball", Vec3::new(0.75, 0.2, 0.15)), DAffine3::IDENTITY);
 
     let lamp = Light::point("lamp", 90.0).with_color(Vec3::new(1.0, 0.9, 0.75));
-    let lamp = scene.add_light(lamp, DVec3::new(-1.7, 3.4, 1.9), DVec3::ZERO);
+    let lamp = scene.add_lamp(lamp, DVec3::new(-1.7, 3.4, 1.9));
     let sky = Light::directional("sky", 1.4).with_color(Vec3::new(0.75, 0.85, 1.0));
     let sky = scene.add_light(sky, DVec3::ZERO, DVec3::new(-0.6, -1.0, -0.45));
 

@@ -7,7 +7,6 @@ mod common;
 
 use std::error::Error;
 
-use glam::{Vec2, Vec3};
 use shadowgraph::engine::scene::{AlphaMode, placed};
 use shadowgraph::prelude::*;
 

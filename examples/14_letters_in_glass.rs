@@ -7,7 +7,6 @@ mod common;
 
 use std::error::Error;
 
-use glam::{Vec2, Vec3};
 use shadowgraph::engine::scene::AlphaMode;
 use shadowgraph::prelude::*;
 
@@ -68,8 +67,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let case = shapes::cuboid(Vec3::new(-2.7, 0.02, -0.6), Vec3::new(2.7, 2.2, 0.6)).named("case");
     scene.add_mesh(Mesh::new(case)?, glass("case", Vec3::new(0.85, 0.95, 1.0), 0.08), DAffine3::IDENTITY);
 
-    scene.add_light(Light::point("left lamp", 120.0), DVec3::new(-3.2, 5.2, -3.4), DVec3::ZERO);
-    scene.add_light(Light::point("right lamp", 80.0), DVec3::new(4.4, 4.8, -3.0), DVec3::ZERO);
+    scene.add_lamp(Light::point("left lamp", 120.0), DVec3::new(-3.2, 5.2, -3.4));
+    scene.add_lamp(Light::point("right lamp", 80.0), DVec3::new(4.4, 4.8, -3.0));
     scene.add_shadow("shadows", TransparentShadow::default());
 
     let camera = Camera::perspective("eye", 0.6);

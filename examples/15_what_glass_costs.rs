@@ -10,7 +10,6 @@ mod common;
 use std::error::Error;
 use std::time::Duration;
 
-use glam::{Vec2, Vec3};
 use shadowgraph::engine::scene::AlphaMode;
 use shadowgraph::measure::timing::{Pace, Runner, Spread, take_turns};
 use shadowgraph::prelude::*;
@@ -118,7 +117,7 @@ fn scene(casters: &[MeshData], glass: bool, node: Option<ShadowNode>) -> Result<
         }
         keys.push(scene.add_mesh(Mesh::new(data.clone())?, material, DAffine3::IDENTITY));
     }
-    scene.add_light(Light::point("lamp", 160.0), DVec3::new(3.0, 6.5, 2.0), DVec3::ZERO);
+    scene.add_lamp(Light::point("lamp", 160.0), DVec3::new(3.0, 6.5, 2.0));
     let camera = Camera::perspective("main", 45.0_f64.to_radians());
     scene.add_camera(camera, DVec3::new(3.2, 3.6, 6.2), DVec3::new(0.0, 0.9, 0.0));
     if let Some(node) = node {

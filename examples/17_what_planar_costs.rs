@@ -11,7 +11,6 @@ use std::error::Error;
 use std::sync::Arc;
 use std::time::Duration;
 
-use glam::{Vec2, Vec3};
 use shadowgraph::engine::scene::{AlphaMode, Image, TextureRef};
 use shadowgraph::measure::timing::{Pace, Runner, Spread, take_turns};
 use shadowgraph::prelude::*;
@@ -65,7 +64,7 @@ fn knot_over_floor(node: Option<SoftShadow>) -> Result<Scene, Box<dyn Error>> {
         Material::matt("knot", Vec3::new(0.8, 0.4, 0.2)),
         DAffine3::IDENTITY,
     );
-    scene.add_light(Light::point("lamp", 160.0), DVec3::new(3.0, 6.5, 2.0), DVec3::ZERO);
+    scene.add_lamp(Light::point("lamp", 160.0), DVec3::new(3.0, 6.5, 2.0));
     let camera = Camera::perspective("main", 45.0_f64.to_radians());
     scene.add_camera(camera, DVec3::new(3.2, 3.6, 6.2), DVec3::new(0.0, 0.9, 0.0));
     if let Some(node) = node {

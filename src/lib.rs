@@ -7,23 +7,25 @@
 //! ```no_run
 //! use shadowgraph::prelude::*;
 //!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let mut scene = Scene::new();
-//! let body = Mesh::new(shapes::cuboid(Vec3::splat(-0.5), Vec3::splat(0.5)))?;
-//! scene.add_mesh(body, Material::default(), DAffine3::from_translation(DVec3::Y));
-//! scene.add_light(Light::point("lamp", 40.0), DVec3::new(2.0, 5.0, 1.0), DVec3::ZERO);
-//! scene.add_shadow("shadows", ShadowVolumeHard::default());
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     let mut scene = Scene::new();
+//!     let floor = Mesh::new(shapes::plane(Vec2::splat(20.0)))?;
+//!     let body = Mesh::new(shapes::cuboid(Vec3::splat(-0.5), Vec3::splat(0.5)))?;
+//!     scene.add_mesh(floor, Material::default(), DAffine3::IDENTITY);
+//!     scene.add_mesh(body, Material::default(), DAffine3::from_translation(DVec3::Y));
+//!     scene.add_lamp(Light::point("lamp", 40.0), DVec3::new(2.0, 5.0, 1.0));
+//!     scene.add_shadow("shadows", ShadowVolumeHard::default());
 //!
-//! let camera = Camera::perspective("eye", 0.8);
-//! let camera = PosedCamera::looking(camera, DVec3::new(4.0, 3.0, 5.0), DVec3::ZERO);
-//! let mut renderer = Renderer::new(Gpu::open(&AdapterChoice::Auto)?, shadowgraph_nodes::catalog());
-//! let frame = renderer.render(&scene, &FrameRequest::new(camera, [640, 480]), &RenderOptions::default())?;
-//! println!("{}", frame.plan);
-//! # Ok(())
-//! # }
+//!     let camera = Camera::perspective("eye", 0.8);
+//!     let camera = PosedCamera::looking(camera, DVec3::new(4.0, 3.0, 5.0), DVec3::ZERO);
+//!     let picture = Renderer::open()?.picture(&scene, &camera, [640, 480])?;
+//!     picture.save("out/first_picture.png")?;
+//!     Ok(())
+//! }
 //! ```
 
 pub mod demo;
+mod picture;
 pub mod search;
 
 pub use shadowgraph_engine as engine;
@@ -38,9 +40,11 @@ pub const CAST: cases::Cast = cases::Cast {
     sized: nodes::ShadowVolumeSoft::ENTRY.type_name,
 };
 
+pub use picture::{Picture, Pictures, SaveError};
+
 /// What most programs need.
 pub mod prelude {
-    pub use glam::{DAffine3, DQuat, DVec3, Vec3};
+    pub use glam::{DAffine3, DQuat, DVec2, DVec3, Vec2, Vec3};
     pub use shadowgraph_engine::geometry::{Influences, Mesh, MeshData, MorphTarget, shapes};
     pub use shadowgraph_engine::gpu::{AdapterChoice, Gpu, Timing};
     pub use shadowgraph_engine::manager::{
@@ -56,4 +60,6 @@ pub mod prelude {
         PlanarMode, Quality, SelfShadow, ShadowVolumeHard, ShadowVolumeSoft, SoftShadow, Terminator,
         TransparentShadow,
     };
+
+    pub use crate::{Picture, Pictures};
 }

@@ -47,7 +47,7 @@ use crate::common::extrusion::{End, end_beyond, end_plane};
 use crate::common::layer_groups::{Caster, MAX_COUNT, group_by_layers};
 use crate::common::masked;
 use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
-use crate::common::volume_draws::{Volume, falls_on_itself, upload};
+use crate::common::volume_draws::{Volume, begin_of, falls_on_itself, upload};
 use draws::{Counter, Fold, counting_draws, fold_pass};
 pub(crate) use float_counts::Layers;
 use float_counts::count_in_float;
@@ -239,6 +239,7 @@ impl ShadowVolumeHard {
             volumes.push(Volume {
                 hidden_caps_count: single_sided && !hides_itself,
                 falls_on_itself: falls_on_itself(light),
+                begin: begin_of(light, half),
                 caster: Caster { index, instance, shape, key, facing },
                 z_fail,
                 end: self.end(light, instance)?,

@@ -43,7 +43,7 @@ use crate::common::layer_groups::Caster;
 use crate::common::listed::Layout;
 use crate::common::screen_bounds::{united, volume_pixels};
 use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
-use crate::common::volume_draws::{Volume, falls_on_itself, float_state, upload, volume_draws};
+use crate::common::volume_draws::{Volume, begin_of, falls_on_itself, float_state, upload, volume_draws};
 pub use options::{Accumulate, SelfShadow, TransparentShadow};
 
 impl ShadowTechnique for TransparentShadow {
@@ -151,6 +151,7 @@ fn tinted_volumes<'a>(
                 z_fail,
                 hidden_caps_count: true,
                 falls_on_itself: falls_on_itself(light),
+                begin: begin_of(light, Half::Both),
                 end: end_in_view(view, position, &instance.world_bounds),
                 clamp_depth: z_fail && !perspective,
                 directional: position.w == 0.0,

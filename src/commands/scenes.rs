@@ -255,7 +255,7 @@ pub(crate) fn framed(bounds: &Aabb, fov_y_rad: f64, size_px: [u32; 2]) -> PosedC
 }
 
 fn add_floor(scene: &mut Scene, floor: &Floor) -> Result<(), Failure> {
-    let data = shapes::plane(glam::Vec2::splat(floor.half_size_m as f32)).named("floor");
+    let data = shapes::plane(Vec2::splat(floor.half_size_m as f32)).named("floor");
     let mesh = Mesh::new(data).map_err(other)?;
     let material = Material::matt("floor", Vec3::splat(0.7));
     let at = DAffine3::from_translation(DVec3::Y * floor.y_m);

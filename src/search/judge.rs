@@ -1,6 +1,6 @@
 //! Whether a scene is drawn right.
 //!
-//! Settings that are exact owe what [`LightError::passes`] says. Of the others the table of tolerances in tests/common states
+//! Settings that are exact owe what [`LightError::passes`] says. Of the others the table of tolerances in tests/gpu states
 //! bounds on the hard cases; on any scene at all they owe what [`Owed`] says, which is no more than the loosest of those rows.
 //! Hard scenes are held against [`Brute`] as well.
 

@@ -14,3 +14,4 @@ mod command_line;
 mod files;
 mod program;
 mod report;
+mod surroundings;

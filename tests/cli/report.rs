@@ -42,7 +42,7 @@ const TINY: Effort = Effort {
 /// A floor that casts nothing, a disc over it, and whatever else is to cast.
 fn disc_scene(others: &[MeshData]) -> Result<(Scene, PosedCamera), String> {
     let mut scene = Scene::new();
-    let floor = Mesh::new(shapes::plane(glam::Vec2::splat(4.0)).named("floor")).unwrap();
+    let floor = Mesh::new(shapes::plane(Vec2::splat(4.0)).named("floor")).unwrap();
     let floor = scene.add_mesh(floor, Material::default(), DAffine3::IDENTITY);
     if let Some(Content::Mesh(mesh)) = scene.node_mut(floor).map(|node| &mut node.content) {
         mesh.shadow.casts = false;
@@ -216,7 +216,7 @@ fn cost_and_sweeps_are_measured_for_every_technique() {
         for step in steps {
             let totals =
                 step.outcome.measured().unwrap_or_else(|| panic!("{}: {:?}", sweep.id, step.outcome));
-            // Whether it is right is for tests/stability.rs.
+            // Whether it is right is for tests/gpu/stability.rs.
             assert!(totals.compared > 0, "{} at {}", sweep.id, step.value);
         }
     }

@@ -16,7 +16,7 @@ fn fox() -> Option<Scene> {
 fn lit_fox() -> Option<Scene> {
     let mut scene = fox()?;
     let floor = scene.add_mesh(
-        shadowgraph_testing::mesh(shapes::plane(glam::Vec2::splat(400.0))),
+        shadowgraph_testing::mesh(shapes::plane(Vec2::splat(400.0))),
         Material::matt("floor", Vec3::splat(0.7)),
         DAffine3::IDENTITY,
     );
@@ -145,7 +145,7 @@ fn thousand() -> Scene {
 }
 
 fn light_thousand(scene: &mut Scene) {
-    let floor = shadowgraph_testing::mesh(shapes::plane(glam::Vec2::splat(6.0)));
+    let floor = shadowgraph_testing::mesh(shapes::plane(Vec2::splat(6.0)));
     let floor = scene.add_mesh(floor, Material::default(), DAffine3::IDENTITY);
     if let Content::Mesh(floor) = &mut scene.node_mut(floor).unwrap().content {
         floor.shadow.casts = false;

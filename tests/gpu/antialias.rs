@@ -139,7 +139,7 @@ fn smoothed_shadow_edges_are_nearer_to_the_truth() {
     let Some(mut renderer) = shadowgraph_testing::renderer() else { return };
     let mut scene = Scene::new();
     let mut add = |data, place| scene.add_mesh(Mesh::new(data).unwrap(), Material::default(), place);
-    add(shapes::plane(glam::Vec2::splat(6.0)).named("floor"), DAffine3::IDENTITY);
+    add(shapes::plane(Vec2::splat(6.0)).named("floor"), DAffine3::IDENTITY);
     add(shapes::torus_knot([2, 3], 0.6, 0.18, [96, 12]), DAffine3::from_translation(DVec3::Y * 1.2));
     scene.add_light(Light::point("lamp", 40.0), DVec3::new(-1.5, 4.0, 1.0), DVec3::ZERO);
     scene.add_shadow("shadows", ShadowVolumeHard::default());
@@ -152,7 +152,7 @@ fn smoothed_shadow_edges_are_nearer_to_the_truth() {
     assert!(four < 0.5 * none && twice < 0.5 * none, "{errors:?}");
 }
 
-/// `cargo test --release --test antialias -- --ignored --nocapture`: the figures the documentation quotes.
+/// `cargo test --test gpu what_antialiasing -- --ignored --nocapture`: the figures the documentation quotes.
 #[test]
 #[ignore = "measures: run it alone on a quiet machine"]
 fn what_antialiasing_costs_and_gains_on_the_speed_scenes() {
@@ -164,7 +164,7 @@ fn what_antialiasing_costs_and_gains_on_the_speed_scenes() {
     for (name, eye, target) in scenes {
         let Some(path) = shadowgraph_testing::model(&format!("{name}.glb")) else { continue };
         let mut scene = shadowgraph::engine::gltf::load(&path).unwrap().scene;
-        let floor = Mesh::new(shapes::plane(glam::Vec2::splat(12.0)).named("floor")).unwrap();
+        let floor = Mesh::new(shapes::plane(Vec2::splat(12.0)).named("floor")).unwrap();
         let (mesh, material) =
             (scene.add_mesh_data(std::sync::Arc::new(floor)), scene.add_material(Material::default()));
         let shadow = ShadowFlags { casts: false, receives: true };

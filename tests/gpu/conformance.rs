@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use crate::known::KNOWN_ON_CASES;
 use crate::tolerances::ROWS;
-use crate::trials::{Trial, dump, is_thinned, try_all, with_two_renderers};
+use crate::trials::{Trial, dump, is_thinned, print_times, try_all, with_two_renderers};
 use shadowgraph::cases::{self, Case, sweeps};
 use shadowgraph::measure::ReferenceShadow;
 use shadowgraph::prelude::*;
@@ -50,13 +50,15 @@ fn every_technique_does_on_every_case_what_it_declares() {
                 }
                 format!("{}: {complaint}", trial.name())
             });
-            ((trial.technique, trial.setting), trial.accepted, complaint)
+            let time = (trial.technique, trial.setting, trial.case.clone(), trial.took);
+            (time, trial.accepted, complaint)
         };
         trials.iter().map(outcome).collect::<Vec<_>>()
     });
     let Some(judged) = judged else { return };
-    for (setting, is_accepted, complaint) in judged.into_iter().flatten() {
-        *accepted.entry(setting).or_default() += usize::from(is_accepted);
+    print_times(judged.iter().flatten().map(|(time, ..)| time));
+    for ((technique, setting, ..), is_accepted, complaint) in judged.into_iter().flatten() {
+        *accepted.entry((technique, setting)).or_default() += usize::from(is_accepted);
         failures.extend(complaint);
     }
     for ((technique, setting), count) in &accepted {

@@ -78,10 +78,4 @@ pub(crate) const KNOWN_ON_CASES: &[Known] = &[
         why: "the lid of a flat road lies in the road's own plane, and its triangles are thinner than a pixel: depths of the two \
               agree to fewer digits than a tie needs",
     },
-    Known {
-        technique: HARD,
-        settings: &["smooth"],
-        cases: &["turned-from-centre/with-a-box-on-it"],
-        why: "casts from the far side, and one pixel there sees a part of the light",
-    },
 ];

@@ -10,9 +10,11 @@ mod own_technique;
 
 mod animation;
 mod antialias;
+mod broken;
 mod confined;
 mod conformance;
 mod equivalence;
+mod first_picture;
 mod hard_options;
 mod kept_textures;
 mod known;

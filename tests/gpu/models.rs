@@ -32,7 +32,7 @@ const LIT_POINT: DVec3 = DVec3::new(0.0, 0.5, 0.0);
 /// A model over a floor that casts nothing.
 fn model_scene(folder: &std::path::Path, name: &str) -> Scene {
     let mut scene = gltf::load(folder.join(format!("{name}.glb"))).unwrap().scene;
-    let floor = shadowgraph_testing::mesh(shapes::plane(glam::Vec2::splat(12.0)));
+    let floor = shadowgraph_testing::mesh(shapes::plane(Vec2::splat(12.0)));
     let key = scene.add_mesh(floor, Material::default(), DAffine3::IDENTITY);
     if let Content::Mesh(floor) = &mut scene.node_mut(key).unwrap().content {
         floor.shadow.casts = false;

@@ -1,15 +1,14 @@
 //! A technique from outside the library: it plugs in beside the built-in ones, is judged by the same reference, and
 //! shares lights with them.
 
+mod rows;
+
 use crate::own_technique::{DiscShadow, catalog, disc_mesh};
-use crate::tolerances::{Bound, Row, Tolerance};
-use crate::trials::try_all;
-use shadowgraph::cases::{self, About, Case, Expect};
 use shadowgraph::engine::manager::{Adapter, FrameError, plan_frame};
 use shadowgraph::engine::math::Projection;
 use shadowgraph::engine::plan::{FactorAt, FramePlan, SlotKind, TextureFormat};
 use shadowgraph::engine::scene::{NodeKey, ParamValue, placed};
-use shadowgraph::engine::shadow::{Cache, Catalog, OptionError, Registry, ShadowError};
+use shadowgraph::engine::shadow::{Cache, OptionError, Registry, ShadowError};
 use shadowgraph::measure::{ErrorTable, evaluate, expect_shadow};
 use shadowgraph::prelude::*;
 
@@ -36,7 +35,7 @@ fn tilted(at: DVec3, around_x_rad: f64, around_z_rad: f64) -> DAffine3 {
 
 fn stage() -> Stage {
     let mut scene = Scene::new();
-    add(&mut scene, shapes::plane(glam::Vec2::splat(12.0)).named("floor"), DAffine3::IDENTITY);
+    add(&mut scene, shapes::plane(Vec2::splat(12.0)).named("floor"), DAffine3::IDENTITY);
     let wall = shapes::cuboid(Vec3::new(-6.0, 0.0, -4.5), Vec3::new(6.0, 4.0, -4.0));
     add(&mut scene, wall.named("wall"), DAffine3::IDENTITY);
     let discs = vec![
@@ -128,7 +127,7 @@ fn a_disc_far_from_the_origin_neither_shadows_itself_nor_shifts() {
     let Some(mut renderer) = renderer() else { return };
     let far = DVec3::new(40_000.0, 800.0, -25_000.0);
     let mut scene = Scene::new();
-    let floor = shapes::plane(glam::Vec2::splat(12.0)).named("floor");
+    let floor = shapes::plane(Vec2::splat(12.0)).named("floor");
     add(&mut scene, floor, DAffine3::from_translation(far));
     let disc = add(&mut scene, disc_mesh("plate", 0.9, 512), tilted(far + DVec3::Y, 0.5, 0.3));
     scene.add_light(Light::point("lamp", 40.0), far + DVec3::new(-2.0, 4.5, 2.5), far);
@@ -164,7 +163,7 @@ fn alone_it_needs_a_visibility_target_and_no_stencil() {
 #[test]
 fn what_no_disc_can_shadow_costs_nothing() {
     let mut scene = Scene::new();
-    add(&mut scene, shapes::plane(glam::Vec2::splat(12.0)).named("floor"), DAffine3::IDENTITY);
+    add(&mut scene, shapes::plane(Vec2::splat(12.0)).named("floor"), DAffine3::IDENTITY);
     // The lamp's light ends before it reaches the disc.
     let disc = add(&mut scene, disc_mesh("plate", 0.5, 64), DAffine3::from_translation(DVec3::Y * 12.0));
     let light = Light::point("lamp", 40.0).with_range(6.0);
@@ -320,7 +319,7 @@ fn what_is_no_disc_is_refused_by_name_and_with_the_reason() {
         (half, moved, "cover 50.0 %"),
         (arc, moved, "leaves out"),
         (disc_mesh("thing", 1.0, 12), moved, "leaves out 30.0 degrees"),
-        (shapes::plane(glam::Vec2::ONE), moved, "leaves out 90.0 degrees"),
+        (shapes::plane(Vec2::ONE), moved, "leaves out 90.0 degrees"),
         (disc(), stretched, "neither 0 nor the radius"),
         (disc(), flattened, "no area"),
     ];
@@ -337,88 +336,6 @@ fn what_is_no_disc_is_refused_by_name_and_with_the_reason() {
             other => panic!("not the refusal of a caster: {other}"),
         }
     }
-}
-
-/// What this technique owes: its own declaration, kept beside it. The library's cases hold meshes that are no discs.
-const ROWS: &[Row] = &[
-    Row {
-        technique: "DiscShadow",
-        setting: "default",
-        owes: Tolerance::Refused,
-        except: &[&[(
-            "discs",
-            Tolerance::Within(Bound {
-                leak_share: 1e-4,
-                false_share: 1e-4,
-                rmse: 0.01,
-                penumbra_rmse: 1.0,
-                max: 1.0,
-                why: "depth buffers round the receiver",
-            }),
-        )]],
-        accepts_at_least: 1,
-    },
-    Row {
-        technique: "DiscShadow",
-        setting: "soft rim",
-        owes: Tolerance::Refused,
-        except: &[&[(
-            "discs",
-            Tolerance::Within(Bound {
-                leak_share: 1e-3,
-                false_share: 1e-3,
-                rmse: 0.08,
-                penumbra_rmse: 1.0,
-                max: 1.0,
-                why: "no light fades at a rim like this",
-            }),
-        )]],
-        accepts_at_least: 1,
-    },
-];
-
-/// Its own hard case: discs over a floor and a wall that cast nothing.
-fn own_case() -> Case {
-    let Stage { mut scene, discs, .. } = stage();
-    lamp(&mut scene);
-    scene.add_shadow("discs", ShadowNode::from(DiscShadow::default()).with_casters(discs));
-    Case {
-        id: "discs",
-        variant: String::new(),
-        what_breaks: "whatever is not computed but drawn",
-        scene,
-        camera: request().camera,
-        size_px: [256, 256],
-        antialias: Default::default(),
-        options: Default::default(),
-        about: About::Anything,
-        expect: Expect::Shadow,
-        probes: vec![],
-    }
-}
-
-#[test]
-fn it_conforms_by_rows_of_its_own() {
-    let Some(renderer) = shadowgraph_testing::renderer() else { return };
-    let mut alone = Catalog::new();
-    alone.register(DiscShadow::ENTRY);
-    let mut renderer = Renderer::new(renderer.gpu().clone(), alone);
-    let library = cases::all().into_iter().step_by(10).flat_map(|entry| entry.build(&shadowgraph::CAST));
-    let trials: Vec<_> =
-        library.chain([own_case()]).flat_map(|case| try_all(&mut renderer, &case, ROWS)).collect();
-    let complaints: Vec<_> =
-        trials.iter().filter_map(|t| Some(format!("{}: {}", t.name(), t.complaint.as_ref()?))).collect();
-    assert!(complaints.is_empty(), "{complaints:#?}");
-    let accepted =
-        trials.iter().filter(|trial| trial.accepted).map(|trial| (trial.setting, trial.case.as_str()));
-    assert_eq!(accepted.collect::<Vec<_>>(), [("default", "discs"), ("soft rim", "discs")]);
-
-    // Without rows it fails, and so does a bound that its soft rim does not keep.
-    let strict = [Row { setting: "soft rim", ..ROWS[0] }];
-    let red = try_all(&mut renderer, &own_case(), &strict).into_iter().filter_map(|trial| trial.complaint);
-    let red: Vec<_> = red.collect();
-    assert_eq!(red[0], "no row in the table of tolerances");
-    assert!(red.len() == 2 && red[1].contains("rmse"), "{red:?}");
 }
 
 #[test]

@@ -4,63 +4,16 @@
 
 use std::sync::Arc;
 
+use crate::broken::{Broken, PlanOf, Spoil};
 use crate::tolerances::ROWS;
 use crate::trials::{Trial, try_all};
 use shadowgraph::cases;
 use shadowgraph::engine::plan::{CompareFunction, Stencil, StencilOperation};
-use shadowgraph::engine::scene::{Instance, Params};
+use shadowgraph::engine::scene::Params;
 use shadowgraph::engine::shadow::{
-    Catalog, Contribution, Draw, Geometry, LightContext, OptionError, PassList, ShadowError, ShadowTechnique,
-    TechniqueEntry, Traits,
+    Catalog, Contribution, Draw, Geometry, OptionError, ShadowTechnique, TechniqueEntry,
 };
 use shadowgraph::prelude::*;
-
-/// A technique with something done to what it plans.
-#[derive(Debug)]
-struct Broken {
-    technique: Arc<dyn ShadowTechnique>,
-    spoil: Spoil,
-}
-
-/// What is done.
-#[derive(Debug)]
-enum Spoil {
-    /// To every draw.
-    Draws(fn(&mut Draw)),
-    /// In place of its plan.
-    Plan(PlanOf),
-}
-
-type PlanOf =
-    fn(&dyn ShadowTechnique, &LightContext<'_>, &mut PassList<'_>) -> Result<Contribution, ShadowError>;
-
-impl ShadowTechnique for Broken {
-    fn params(&self) -> Params {
-        self.technique.params()
-    }
-
-    fn traits(&self) -> Traits {
-        self.technique.traits()
-    }
-
-    fn casts(&self, instance: &Instance) -> Result<bool, String> {
-        self.technique.casts(instance)
-    }
-
-    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
-        match self.spoil {
-            Spoil::Draws(spoil) => {
-                let left = self.technique.plan(light, out)?;
-                for mut pass in out.take_passes() {
-                    pass.draws.iter_mut().for_each(spoil);
-                    out.pass(pass);
-                }
-                Ok(left)
-            }
-            Spoil::Plan(plan) => plan(self.technique.as_ref(), light, out),
-        }
-    }
-}
 
 type FromParams = fn(&Params) -> Result<Arc<dyn ShadowTechnique>, OptionError>;
 

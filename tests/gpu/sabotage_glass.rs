@@ -2,42 +2,18 @@
 
 use std::sync::Arc;
 
+use crate::broken::{Broken, Spoil};
 use shadowgraph::cases;
-use shadowgraph::engine::scene::{Instance, Params};
-use shadowgraph::engine::shadow::{
-    Catalog, Contribution, Draw, Geometry, LightContext, PassList, ShadowError, ShadowTechnique,
-    TechniqueEntry, Traits,
-};
+use shadowgraph::engine::scene::Params;
+use shadowgraph::engine::shadow::{Catalog, ShadowTechnique, TechniqueEntry};
+use shadowgraph::engine::shadow::{Draw, Geometry};
 use shadowgraph::measure::{evaluate, evaluate_layers};
 use shadowgraph::nodes::TransparentShadow;
 use shadowgraph::prelude::*;
 
 /// `TransparentShadow`, with something done to every draw of its sums.
-#[derive(Debug)]
-struct Broken(TransparentShadow, fn(&mut Draw));
-
-impl ShadowTechnique for Broken {
-    fn params(&self) -> Params {
-        self.0.params()
-    }
-
-    fn traits(&self) -> Traits {
-        self.0.traits()
-    }
-
-    fn casts(&self, instance: &Instance) -> Result<bool, String> {
-        self.0.casts(instance)
-    }
-
-    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
-        let left = self.0.plan(light, out)?;
-        for mut pass in out.take_passes() {
-            let draws = pass.draws.iter_mut();
-            draws.filter(|draw| matches!(draw.geometry, Geometry::Indexed { .. })).for_each(self.1);
-            out.pass(pass);
-        }
-        Ok(left)
-    }
+fn broken(spoil: fn(&mut Draw)) -> Arc<dyn ShadowTechnique> {
+    Arc::new(Broken { technique: Arc::new(TransparentShadow::default()), spoil: Spoil::Volumes(spoil) })
 }
 
 /// How many pixels of these cases have a factor outside its bounds when every draw of a volume is spoilt so: on opaque surfaces,
@@ -74,7 +50,7 @@ const CASES: [&str; 3] = ["glass-self", "panes-intersecting", "tinted-bottle"];
 
 #[test]
 fn sound_nothing_is_wrong() {
-    let sound: TechniqueFromParams = |_| Ok(Arc::new(Broken(TransparentShadow::default(), |_| ())));
+    let sound: TechniqueFromParams = |_| Ok(broken(|_| ()));
     let Some(wrong) = wrong(sound, &CASES) else { return };
     assert_eq!(wrong, [0, 0]);
 }
@@ -82,37 +58,37 @@ fn sound_nothing_is_wrong() {
 #[test]
 fn a_missing_cap() {
     // The last triangles of each run of a volume.
-    let broken: TechniqueFromParams = |_| {
-        Ok(Arc::new(Broken(TransparentShadow::default(), |draw| {
+    let spoilt: TechniqueFromParams = |_| {
+        Ok(broken(|draw| {
             if let Geometry::Indexed { count, .. } = &mut draw.geometry {
                 *count = (*count - 6).max(3);
             }
-        })))
+        }))
     };
-    let Some([opaque, layers]) = wrong(broken, &CASES) else { return };
+    let Some([opaque, layers]) = wrong(spoilt, &CASES) else { return };
     assert!(opaque > 20 && layers > 20, "{opaque} and {layers}");
 }
 
 #[test]
 fn a_class_counted_twice() {
     // Every surface is two surfaces of its class.
-    let broken: TechniqueFromParams = |_| {
-        Ok(Arc::new(Broken(TransparentShadow::default(), |draw| {
+    let spoilt: TechniqueFromParams = |_| {
+        Ok(broken(|draw| {
             draw.state.blend_constant = draw.state.blend_constant.map(|weight| 2.0 * weight);
-        })))
+        }))
     };
-    let Some([opaque, layers]) = wrong(broken, &CASES) else { return };
+    let Some([opaque, layers]) = wrong(spoilt, &CASES) else { return };
     assert!(opaque > 500 && layers > 500, "{opaque} and {layers}");
 }
 
 #[test]
 fn a_layer_shadowed_by_its_own_surface() {
     // What is left at the very depth of what is seen is taken not to be left yet. Opaque surfaces do not mind.
-    let broken: TechniqueFromParams = |_| {
-        Ok(Arc::new(Broken(TransparentShadow::default(), |draw| {
+    let spoilt: TechniqueFromParams = |_| {
+        Ok(broken(|draw| {
             draw.state.depth_bias = -draw.state.depth_bias.abs();
-        })))
+        }))
     };
-    let Some([opaque, layers]) = wrong(broken, &CASES) else { return };
+    let Some([opaque, layers]) = wrong(spoilt, &CASES) else { return };
     assert!(opaque == 0 && layers > 500, "{opaque} and {layers}");
 }

@@ -5,7 +5,7 @@
 
 use crate::known::{KNOWN, Known};
 use crate::tolerances::ROWS;
-use crate::trials::{Trial, dump, try_all, with_two_renderers};
+use crate::trials::{Trial, dump, print_times, try_all, with_two_renderers};
 use shadowgraph::cases::Case;
 use shadowgraph::cases::sweeps::{self, Sweep};
 use shadowgraph::engine::shadow::Catalog;
@@ -57,11 +57,14 @@ fn every_sweep_is_right_at_every_step() {
             };
             println!("{:<58} {}{verdict}", trial.name(), row(&trial));
             let name = trial.name();
-            trial.complaint.map(|complaint| (issue, format!("{name}: {complaint}")))
+            let time = (trial.technique, trial.setting, trial.case, trial.took);
+            (time, trial.complaint.map(|complaint| (issue, format!("{name}: {complaint}"))))
         };
-        try_all(renderer, case, ROWS).into_iter().filter_map(outcome).collect::<Vec<_>>()
+        try_all(renderer, case, ROWS).into_iter().map(outcome).collect::<Vec<_>>()
     });
-    for (issue, complaint) in judged.unwrap_or_default().into_iter().flatten() {
+    let judged: Vec<_> = judged.unwrap_or_default().into_iter().flatten().collect();
+    print_times(judged.iter().map(|(time, _)| time));
+    for (issue, complaint) in judged.into_iter().filter_map(|(_, wrong)| wrong) {
         match issue {
             Some(known) => {
                 seen[KNOWN.iter().position(|other| std::ptr::eq(other, known)).unwrap()] += 1;

@@ -100,7 +100,7 @@ fn v(x: f32, y: f32, z: f32) -> Vec3 {
 /// `order` says in which order they stand in the scene; `nodes` shadow nodes share them.
 fn pile(order: &[usize], nodes: usize, accumulate: Accumulate) -> (Scene, FrameRequest) {
     let mut scene = Scene::new();
-    let floor = shadowgraph_testing::mesh(shapes::plane(glam::Vec2::splat(6.0)).named("floor"));
+    let floor = shadowgraph_testing::mesh(shapes::plane(Vec2::splat(6.0)).named("floor"));
     scene.add_mesh(floor, Material::default(), DAffine3::IDENTITY);
     let fan = (0..5).map(|i| {
         let y = 0.2 * i as f32;

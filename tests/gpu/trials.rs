@@ -1,7 +1,9 @@
 //! Every technique × every case × every setting, each held to its row of the table.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use shadowgraph::cases::{Case, Expect};
 use shadowgraph::engine::shadow::{Setting, ShadowError, TechniqueEntry};
@@ -23,6 +25,8 @@ pub(crate) struct Trial {
     /// What is wrong; `None` when everything is as it was declared.
     pub(crate) complaint: Option<String>,
     pub(crate) evaluation: Option<Evaluation>,
+    /// How long it took, references that no earlier trial had asked for included.
+    pub(crate) took: Duration,
 }
 
 impl Trial {
@@ -56,7 +60,9 @@ pub(crate) fn try_all(renderer: &mut Renderer, case: &Case, rows: &[Row]) -> Vec
         if is_thinned(entry.type_name, setting.name) && !(turn + place).is_multiple_of(3) {
             continue;
         }
-        trials.push(try_one(renderer, case, (entry, setting), rows, &mut references, &trials));
+        let start = Instant::now();
+        let trial = try_one(renderer, case, (entry, setting), rows, &mut references, &trials);
+        trials.push(Trial { took: start.elapsed(), ..trial });
     }
     trials
 }
@@ -98,6 +104,7 @@ fn try_one(
         accepted: false,
         complaint: None,
         evaluation: None,
+        took: Duration::ZERO,
     };
     let Some(row) = rows.iter().find(|row| row.technique == entry.type_name && row.setting == setting.name)
     else {
@@ -222,6 +229,31 @@ pub(crate) fn dump(trial: &Trial) {
         let name = format!("{}-{}-{}-{light}.png", trial.case, trial.technique, trial.setting);
         let path = folder.join(name.replace('/', "_"));
         pictures::write_error_map(&path, &evaluation.measured, &evaluation.reference, light).unwrap();
+    }
+}
+
+/// Where the time of many trials went: by technique and setting, and by case, the longest first.
+pub(crate) fn print_times<'a>(
+    times: impl Iterator<Item = &'a (&'static str, &'static str, String, Duration)>,
+) {
+    let mut by_setting = BTreeMap::<String, (usize, Duration)>::new();
+    let mut by_case = BTreeMap::<String, (usize, Duration)>::new();
+    for (technique, setting, case, took) in times {
+        let id = case.split('/').next().unwrap_or(case);
+        for (sums, name) in
+            [(&mut by_setting, format!("{technique} ({setting})")), (&mut by_case, id.to_owned())]
+        {
+            let (count, sum) = sums.entry(name).or_default();
+            *count += 1;
+            *sum += *took;
+        }
+    }
+    for sums in [by_setting, by_case] {
+        let mut sums: Vec<_> = sums.into_iter().collect();
+        sums.sort_by_key(|(_, (_, took))| std::cmp::Reverse(*took));
+        for (name, (count, took)) in sums.iter().take(25) {
+            println!("{:>8.1} s  {count:>5} trials  {name}", took.as_secs_f64());
+        }
     }
 }
 

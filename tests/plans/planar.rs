@@ -136,7 +136,7 @@ fn receivers_that_are_no_planes_are_refused_by_name() {
     assert!(text.contains("'crate'") && text.contains("1.000e0 m out of its plane"), "{text}");
     // A tenth of a millimetre in a metre is a bump; what f32 leaves of a turned plane is none.
     let bump = |height: f32| {
-        let mut data = shapes::plane(glam::Vec2::splat(0.5));
+        let mut data = shapes::plane(Vec2::splat(0.5));
         data.positions[0].y = height;
         let mut scene = Scene::new();
         scene.add_mesh(mesh(data), Material::default(), DAffine3::IDENTITY);
@@ -144,7 +144,7 @@ fn receivers_that_are_no_planes_are_refused_by_name() {
     };
     assert!(matches!(bump(1e-4), Err(NotPlanar::Deviates { deviation_m, .. }) if deviation_m > 2e-5));
     assert!(bump(1e-8).is_ok());
-    let mut data = shapes::plane(glam::Vec2::splat(7.0));
+    let mut data = shapes::plane(Vec2::splat(7.0));
     let turn = glam::Quat::from_euler(glam::EulerRot::XYZ, 0.3, 1.1, -0.7);
     data.positions.iter_mut().for_each(|p| *p = turn * *p + Vec3::new(3.0, -50.0, 20.0));
     let mut scene = Scene::new();

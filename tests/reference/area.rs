@@ -301,7 +301,7 @@ fn one_box_is_the_closed_form() {
     }
 }
 
-/// What the whole table costs with 64 samples at every pixel; `cargo test --test reference_area whole_table -- --ignored --nocapture`.
+/// What the whole table costs with 64 samples at every pixel; `cargo test --test reference whole_table -- --ignored --nocapture`.
 #[test]
 #[ignore = "a measurement"]
 fn the_whole_table_is_traced_in_minutes() {

@@ -134,6 +134,7 @@ const IDS: &[&str] = &[
     "lamp-1e-9-over-vertex",
     "soft-lamp-on-edge",
     "soft-lamp-on-corner",
+    "soft-lamp-in-floor",
     "lamp-in-far-plane",
     "ortho-lamp-beside",
 ];

@@ -6,6 +6,10 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
+use base64::Engine;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+
 use super::GltfError;
 use super::limits::Budget;
 use super::names::shown;
@@ -104,7 +108,7 @@ pub(super) fn read(item: &str, uri: &str, files: &Files, budget: &mut Budget) ->
             false => data.as_bytes().into(),
         };
         return if header.to_ascii_lowercase().ends_with(";base64") {
-            decode_base64(&bytes).ok_or_else(|| wrong("is not valid base64"))
+            BASE64.decode(&bytes).map_err(|_| wrong("is not valid base64"))
         } else {
             Ok(bytes.into_owned())
         };
@@ -164,36 +168,13 @@ fn decode_percent(text: &str) -> Option<Vec<u8>> {
     Some(decoded)
 }
 
-/// Standard base64, strict but for the padding, which may be missing.
-fn decode_base64(text: &[u8]) -> Option<Vec<u8>> {
-    let padding = text.iter().rev().take(2).take_while(|byte| **byte == b'=').count();
-    if padding > 0 && !text.len().is_multiple_of(4) {
-        return None;
-    }
-    let text = &text[..text.len() - padding];
-    if text.len() % 4 == 1 {
-        return None;
-    }
-    let mut decoded = Vec::with_capacity(text.len() / 4 * 3 + 2);
-    for group in text.chunks(4) {
-        let mut bits = 0_u32;
-        for &byte in group {
-            let six = match byte {
-                b'A'..=b'Z' => byte - b'A',
-                b'a'..=b'z' => byte - b'a' + 26,
-                b'0'..=b'9' => byte - b'0' + 52,
-                b'+' => 62,
-                b'/' => 63,
-                _ => return None,
-            };
-            bits = bits << 6 | u32::from(six);
-        }
-        bits <<= 6 * (4 - group.len());
-        let [_, a, b, c] = bits.to_be_bytes();
-        decoded.extend_from_slice(&[a, b, c][..group.len() - 1]);
-    }
-    Some(decoded)
-}
+/// Standard base64, strict but for the padding, which may be missing, and bits after the last byte.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new()
+        .with_decode_padding_mode(DecodePaddingMode::Indifferent)
+        .with_decode_allow_trailing_bits(true),
+);
 
 #[cfg(test)]
 mod tests {
@@ -201,11 +182,11 @@ mod tests {
 
     #[test]
     fn base64_is_strict() {
-        assert_eq!(decode_base64(b"aGVsbG8=").unwrap(), b"hello");
-        assert_eq!(decode_base64(b"aGVsbG8").unwrap(), b"hello");
-        assert_eq!(decode_base64(b"").unwrap(), b"");
+        assert_eq!(BASE64.decode(b"aGVsbG8=").unwrap(), b"hello");
+        assert_eq!(BASE64.decode(b"aGVsbG8").unwrap(), b"hello");
+        assert_eq!(BASE64.decode(b"").unwrap(), b"");
         for bad in ["a", "aGVsbG8 ", "aGVs=bG8", "aGVsb===", "=", "a=="] {
-            assert_eq!(decode_base64(bad.as_bytes()), None, "{bad}");
+            assert!(BASE64.decode(bad).is_err(), "{bad}");
         }
     }
 

@@ -4,14 +4,13 @@ use std::cell::OnceCell;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, Vec3};
 use slotmap::{SlotMap, new_key_type};
 use thiserror::Error;
 
-use super::content::look_at;
 use super::deform::DeformCache;
 use super::playback::Rest;
-use super::{Animation, Camera, Content, Image, Light, Material, MeshNode, ShadowNode, Skin, Transform};
+use super::{Animation, Camera, Content, Image, Light, Material, ShadowNode, Skin, Transform};
 use crate::geometry::Mesh;
 
 new_key_type! {
@@ -278,39 +277,6 @@ impl Scene {
             None => self.roots.push(key),
         }
         key
-    }
-
-    /// Adds an empty group at the root.
-    pub fn add_group(&mut self, name: &str) -> NodeKey {
-        self.add(None, name, DAffine3::IDENTITY, Content::Group)
-    }
-
-    /// Adds `mesh` in one `material` at the root, placed by `world_from_local`.
-    pub fn add_mesh(&mut self, mesh: Mesh, material: Material, world_from_local: DAffine3) -> NodeKey {
-        let name = mesh.name().to_owned();
-        let mesh = self.add_mesh_data(Arc::new(mesh));
-        let material = self.add_material(material);
-        self.add(None, &name, world_from_local, Content::Mesh(MeshNode::new(mesh, material)))
-    }
-
-    /// Adds a light at the root, at `position` and shining towards `target`.
-    pub fn add_light(&mut self, light: Light, position: DVec3, target: DVec3) -> NodeKey {
-        let name = light.name.clone();
-        let key = self.add_light_data(light);
-        self.add(None, &name, look_at(position, target), Content::Light(key))
-    }
-
-    /// Adds a camera at the root, at `eye` and looking at `target`.
-    pub fn add_camera(&mut self, camera: Camera, eye: DVec3, target: DVec3) -> NodeKey {
-        let name = camera.name.clone();
-        let key = self.add_camera_data(camera);
-        self.add(None, &name, look_at(eye, target), Content::Camera(key))
-    }
-
-    /// Adds a shadow node at the root.
-    pub fn add_shadow(&mut self, name: &str, shadow: impl Into<ShadowNode>) -> NodeKey {
-        let key = self.add_shadow_data(shadow.into());
-        self.add(None, name, DAffine3::IDENTITY, Content::Shadow(key))
     }
 
     /// What messages call a node: as [`Node::label`], or by its place among all, which is its index once the scene is

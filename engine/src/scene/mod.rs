@@ -7,6 +7,7 @@
 //! Animations, skins and morph targets are data as well. Showing an animation at a moment sets transforms and weights;
 //! [`Scene::pose`] bends the meshes, so that all that comes after sees triangles at their places.
 
+mod adding;
 mod animation;
 mod content;
 mod deform;

@@ -11,6 +11,7 @@ mod gltf_kinds;
 mod gltf_kinds_whole;
 mod gltf_loads;
 mod gltf_models;
+mod gltf_moving_files;
 mod gltf_mutations;
 mod gltf_roundtrip;
 mod kinds;

@@ -114,6 +114,43 @@ pub(super) fn soft_lamp_on_corner() -> Vec<Stage> {
     stages
 }
 
+/// Lamps sunk half in a floor that casts, with something standing on it: its edges in the floor pass the centre within rounding.
+pub(super) fn soft_lamp_in_floor() -> Vec<Stage> {
+    let floor =
+        || quad([v(-2.0, 0.0, 2.0), v(2.0, 0.0, 2.0), v(2.0, 0.0, -2.0), v(-2.0, 0.0, -2.0)]).named("floor");
+    let standing = |name: &str, data: MeshData| {
+        Stage::small(name)
+            .caster(floor())
+            .caster(data)
+            .point(p(-0.98, 0.0, -0.57))
+            .radius(0.1)
+            .expects(Expect::Matches)
+    };
+    let cube = || block(v(0.0, 0.3, 0.0), v(0.3, 0.3, 0.3));
+    let fin = || triangles("fin", &[v(-0.2, 0.0, -0.1), v(0.1, 0.0, 0.08), v(-0.1, 0.6, -0.1)], &[0, 1, 2]);
+    let turn = turned_at(p(0.0, 0.6, 0.0));
+    let turned = Stage::small("cube-turned")
+        .caster_at(floor(), turn)
+        .caster_at(cube(), turn)
+        .point(turn.transform_point3(p(-0.98, 0.0, -0.57)))
+        .radius(0.1)
+        .expects(Expect::Matches);
+    let on_corner = Stage::small("on-a-cube-level-with-another")
+        .floor()
+        .caster(block(v(-1.0, 0.5, -1.0), v(0.5, 0.5, 0.5)))
+        .caster(block(v(0.75, 0.5, 0.25), v(0.5, 0.5, 0.5)))
+        .point(p(-0.5, 1.0, -0.5))
+        .radius(0.2)
+        .expects(Expect::Matches);
+    vec![
+        standing("cube", cube()).dark(&[p(0.5, 0.0, 0.25)]),
+        standing("fin", fin()),
+        standing("cube-ortho", cube()).ortho(2.0, 0.1, 30.0),
+        turned,
+        on_corner,
+    ]
+}
+
 pub(super) fn lamp_in_far_plane() -> Vec<Stage> {
     // An upright triangle, from `from` on in the plane z = 0 and `size` large; the lamp is next to that plane, far from it.
     let far = |from: f32, size: f32| {

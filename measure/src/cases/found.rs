@@ -138,6 +138,12 @@ pub(super) const ROWS: &[CaseEntry] = &[
         beside::soft_lamp_on_corner,
     ),
     row(
+        "soft-lamp-in-floor",
+        "a lamp half sunk in what casts: edges in its plane pass the centre, on one side by one reckoning, on the other by another",
+        "the definition's, whatever stands there",
+        beside::soft_lamp_in_floor,
+    ),
+    row(
         "lamp-in-far-plane",
         "a lamp almost in the plane of a far triangle: its edges are all but opposite",
         "a shadow as thin as the triangle looks",

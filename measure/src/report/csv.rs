@@ -1,157 +1,178 @@
 //! `report.csv`: one row for each scene, technique and setting. A value that was not measured is empty.
 
+use serde::Serialize;
 use shadowgraph_engine::scene::{ParamValue, Params};
 
 use super::data::{Measurement, Outcome, Point, Report, SceneReport};
 
-/// The columns, in order. Units are in their names; error columns are those of all lights together.
-pub(super) const COLUMNS: [&str; 51] = [
-    "scene",
-    "technique",
-    "setting",
-    "params",
-    "status",
-    "reason",
-    "width_px",
-    "height_px",
-    "triangles",
-    "lights",
-    "rounds",
-    "unshadowed_median_ms",
-    "unshadowed_lower_quartile_ms",
-    "unshadowed_upper_quartile_ms",
-    "shadowed_median_ms",
-    "shadowed_lower_quartile_ms",
-    "shadowed_upper_quartile_ms",
-    "ratio_median",
-    "ratio_lower_quartile",
-    "ratio_upper_quartile",
-    "gpu_median_ms",
-    "gpu_bytes",
-    "plan_bytes",
-    "compared_px",
-    "different_triangle_px",
-    "boundary_px",
-    "band_px",
-    "wrong_px",
-    "leak_px",
-    "false_px",
-    "wrong_outside_band_px",
-    "leak_outside_band_px",
-    "false_outside_band_px",
-    "rmse",
-    "rmse_outside_band",
-    "penumbra_px",
-    "penumbra_rmse",
-    "signed_mean",
-    "p99",
-    "max",
-    "max_outside_band",
-    "boundary_distance_mean_px",
-    "boundary_distance_max_px",
-    "exact",
-    "judged_width_px",
-    "judged_height_px",
-    "leak_mean",
-    "false_mean",
-    "outside_bounds_px",
-    "same_samples",
-    "outside_samples_px",
-];
-
-pub(super) fn table(report: &Report) -> String {
-    let mut rows = vec![COLUMNS.map(String::from).to_vec()];
-    for scene in &report.scenes {
-        if let Some(failure) = &scene.failure {
-            let mut row = vec![String::new(); COLUMNS.len()];
-            row[0] = scene.name.clone();
-            row[4] = "failed".into();
-            row[5] = failure.clone();
-            rows.push(row);
-        }
-        rows.extend(scene.points.iter().map(|point| row(report, scene, point)));
-    }
-    let line = |row: &Vec<String>| row.iter().map(|cell| quoted(cell)).collect::<Vec<_>>().join(",");
-    rows.iter().map(|row| line(row) + "\n").collect()
+/// A row; its fields are the columns, in order. Units are in their names; errors are those of all lights together.
+#[derive(Default, Serialize)]
+struct Row<'a> {
+    scene: &'a str,
+    technique: &'a str,
+    setting: &'a str,
+    params: String,
+    status: &'a str,
+    reason: &'a str,
+    width_px: Option<u32>,
+    height_px: Option<u32>,
+    triangles: Option<usize>,
+    lights: Option<usize>,
+    rounds: Option<usize>,
+    unshadowed_median_ms: Option<f64>,
+    unshadowed_lower_quartile_ms: Option<f64>,
+    unshadowed_upper_quartile_ms: Option<f64>,
+    shadowed_median_ms: Option<f64>,
+    shadowed_lower_quartile_ms: Option<f64>,
+    shadowed_upper_quartile_ms: Option<f64>,
+    ratio_median: Option<f64>,
+    ratio_lower_quartile: Option<f64>,
+    ratio_upper_quartile: Option<f64>,
+    gpu_median_ms: Option<f64>,
+    gpu_bytes: Option<u64>,
+    plan_bytes: Option<u64>,
+    compared_px: Option<usize>,
+    different_triangle_px: Option<usize>,
+    boundary_px: Option<usize>,
+    band_px: Option<usize>,
+    wrong_px: Option<usize>,
+    leak_px: Option<usize>,
+    false_px: Option<usize>,
+    wrong_outside_band_px: Option<usize>,
+    leak_outside_band_px: Option<usize>,
+    false_outside_band_px: Option<usize>,
+    rmse: Option<f64>,
+    rmse_outside_band: Option<f64>,
+    penumbra_px: Option<usize>,
+    penumbra_rmse: Option<f64>,
+    signed_mean: Option<f64>,
+    p99: Option<f64>,
+    max: Option<f64>,
+    max_outside_band: Option<f64>,
+    boundary_distance_mean_px: Option<f64>,
+    boundary_distance_max_px: Option<f64>,
+    exact: Option<bool>,
+    judged_width_px: Option<u32>,
+    judged_height_px: Option<u32>,
+    leak_mean: Option<f64>,
+    false_mean: Option<f64>,
+    outside_bounds_px: Option<usize>,
+    same_samples: Option<u32>,
+    outside_samples_px: Option<usize>,
 }
 
-fn row(report: &Report, scene: &SceneReport, point: &Point) -> Vec<String> {
-    let (status, reason) = match &point.outcome {
-        Outcome::Measured(_) => ("measured", ""),
-        Outcome::Refused(reason) => ("refused", reason.as_str()),
-        Outcome::Failed(reason) => ("failed", reason.as_str()),
-    };
-    let mut row: Vec<String> = vec![
-        scene.name.clone(),
-        point.technique.into(),
-        point.setting.into(),
-        params_text(&point.params),
-        status.into(),
-        reason.into(),
-        report.size_px[0].to_string(),
-        report.size_px[1].to_string(),
-        scene.triangles.to_string(),
-        scene.lights.to_string(),
+/// The table with its header.
+pub(super) fn table(report: &Report) -> Vec<u8> {
+    let mut table = csv::Writer::from_writer(Vec::new());
+    let rows = report.scenes.iter().flat_map(|scene| {
+        let failed = scene.failure.as_deref().map(|reason| Row {
+            scene: &scene.name,
+            status: "failed",
+            reason,
+            ..Row::default()
+        });
+        failed.into_iter().chain(scene.points.iter().map(|point| Row::new(report, scene, point)))
+    });
+    let mut is_empty = true;
+    for row in rows {
+        is_empty = false;
+        // Rows of one struct are of one length, and memory takes what is written.
+        let _ = table.serialize(row);
+    }
+    let bytes = table.into_inner().unwrap_or_default();
+    if is_empty { header() } else { bytes }
+}
+
+/// The header alone, for a report without scenes.
+fn header() -> Vec<u8> {
+    let mut table = csv::Writer::from_writer(Vec::new());
+    let _ = table.serialize(Row::default());
+    let bytes = table.into_inner().unwrap_or_default();
+    let end = bytes.iter().position(|byte| *byte == b'\n').map_or(bytes.len(), |place| place + 1);
+    bytes[..end].to_vec()
+}
+
+impl<'a> Row<'a> {
+    fn new(report: &Report, scene: &'a SceneReport, point: &'a Point) -> Self {
+        let (status, reason) = match &point.outcome {
+            Outcome::Measured(_) => ("measured", ""),
+            Outcome::Refused(reason) => ("refused", reason.as_str()),
+            Outcome::Failed(reason) => ("failed", reason.as_str()),
+        };
+        let plain = &scene.unshadowed_ms;
+        let row = Self {
+            scene: &scene.name,
+            technique: point.technique,
+            setting: point.setting,
+            params: params_text(&point.params),
+            status,
+            reason,
+            width_px: Some(report.size_px[0]),
+            height_px: Some(report.size_px[1]),
+            triangles: Some(scene.triangles),
+            lights: Some(scene.lights),
+            rounds: Some(scene.rounds),
+            unshadowed_median_ms: number(plain.median),
+            unshadowed_lower_quartile_ms: number(plain.lower),
+            unshadowed_upper_quartile_ms: number(plain.upper),
+            ..Self::default()
+        };
         match &point.outcome {
-            Outcome::Measured(measurement) => measurement.rounds.to_string(),
-            _ => scene.rounds.to_string(),
-        },
-    ];
-    let plain = &scene.unshadowed_ms;
-    row.extend([plain.median, plain.lower, plain.upper].map(number));
-    if let Outcome::Measured(measurement) = &point.outcome {
-        row.extend(measured_cells(measurement));
+            Outcome::Measured(measurement) => row.measured(measurement),
+            Outcome::Refused(_) | Outcome::Failed(_) => row,
+        }
     }
-    row.resize(COLUMNS.len(), String::new());
-    row
-}
 
-fn measured_cells(measurement: &Measurement) -> Vec<String> {
-    let Measurement { shadowed_ms, ratio, totals, .. } = measurement;
-    let mut cells: Vec<String> =
-        [shadowed_ms.median, shadowed_ms.lower, shadowed_ms.upper, ratio.median, ratio.lower, ratio.upper]
-            .map(number)
-            .to_vec();
-    cells.push(measurement.gpu_ms.map_or(String::new(), |ms| number(ms.median)));
-    cells.extend([measurement.gpu_bytes, measurement.plan_bytes].map(|bytes| bytes.to_string()));
-    let counts = [
-        totals.compared,
-        totals.different_triangle,
-        totals.boundary_pixels,
-        totals.band_pixels,
-        totals.wrong,
-        totals.leak,
-        totals.false_shadow,
-        totals.wrong_outside_band,
-        totals.leak_outside_band,
-        totals.false_outside_band,
-    ];
-    cells.extend(counts.map(|count| count.to_string()));
-    cells.extend([totals.rmse, totals.rmse_outside_band].map(number));
-    cells.push(totals.penumbra_pixels.to_string());
-    let values = [
-        totals.penumbra_rmse,
-        totals.signed_mean,
-        totals.p99,
-        totals.max,
-        totals.max_outside_band,
-        totals.boundary_distance_mean_px,
-        totals.boundary_distance_max_px,
-    ];
-    cells.extend(values.map(number));
-    cells.push(totals.is_exact.to_string());
-    cells.extend(measurement.judged_size_px.map(|side| side.to_string()));
-    cells.extend([totals.leak_mean, totals.false_mean].map(number));
-    cells.push(totals.outside_bounds.to_string());
-    if let Some((count, outside)) = measurement.same_samples {
-        cells.extend([count.to_string(), outside.to_string()]);
+    /// The row with what was measured.
+    fn measured(self, measurement: &Measurement) -> Self {
+        let Measurement { shadowed_ms, ratio, totals, .. } = measurement;
+        Self {
+            rounds: Some(measurement.rounds),
+            shadowed_median_ms: number(shadowed_ms.median),
+            shadowed_lower_quartile_ms: number(shadowed_ms.lower),
+            shadowed_upper_quartile_ms: number(shadowed_ms.upper),
+            ratio_median: number(ratio.median),
+            ratio_lower_quartile: number(ratio.lower),
+            ratio_upper_quartile: number(ratio.upper),
+            gpu_median_ms: measurement.gpu_ms.as_ref().and_then(|ms| number(ms.median)),
+            gpu_bytes: Some(measurement.gpu_bytes),
+            plan_bytes: Some(measurement.plan_bytes),
+            compared_px: Some(totals.compared),
+            different_triangle_px: Some(totals.different_triangle),
+            boundary_px: Some(totals.boundary_pixels),
+            band_px: Some(totals.band_pixels),
+            wrong_px: Some(totals.wrong),
+            leak_px: Some(totals.leak),
+            false_px: Some(totals.false_shadow),
+            wrong_outside_band_px: Some(totals.wrong_outside_band),
+            leak_outside_band_px: Some(totals.leak_outside_band),
+            false_outside_band_px: Some(totals.false_outside_band),
+            rmse: number(totals.rmse),
+            rmse_outside_band: number(totals.rmse_outside_band),
+            penumbra_px: Some(totals.penumbra_pixels),
+            penumbra_rmse: number(totals.penumbra_rmse),
+            signed_mean: number(totals.signed_mean),
+            p99: number(totals.p99),
+            max: number(totals.max),
+            max_outside_band: number(totals.max_outside_band),
+            boundary_distance_mean_px: number(totals.boundary_distance_mean_px),
+            boundary_distance_max_px: number(totals.boundary_distance_max_px),
+            exact: Some(totals.is_exact),
+            judged_width_px: Some(measurement.judged_size_px[0]),
+            judged_height_px: Some(measurement.judged_size_px[1]),
+            leak_mean: number(totals.leak_mean),
+            false_mean: number(totals.false_mean),
+            outside_bounds_px: Some(totals.outside_bounds),
+            same_samples: measurement.same_samples.map(|(count, _)| count),
+            outside_samples_px: measurement.same_samples.map(|(_, outside)| outside),
+            ..self
+        }
     }
-    cells
 }
 
 /// As it was measured; what is infinite is empty.
-fn number(value: f64) -> String {
-    if value.is_finite() { value.to_string() } else { String::new() }
+fn number(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
 }
 
 /// `key=value` pairs as the command line takes them.
@@ -165,24 +186,9 @@ pub(super) fn params_text(params: &Params) -> String {
     params.iter().map(|(name, v)| format!("{name}={}", value(v))).collect::<Vec<_>>().join(",")
 }
 
-/// Quoted as RFC 4180 has it, where a cell needs it.
-fn quoted(cell: &str) -> String {
-    if cell.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", cell.replace('"', "\"\""))
-    } else {
-        cell.into()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn cells_that_need_it_are_quoted() {
-        assert_eq!(quoted("plain"), "plain");
-        assert_eq!(quoted("a \"b\", c"), "\"a \"\"b\"\", c\"");
-    }
 
     #[test]
     fn params_are_written_as_the_command_line_takes_them() {

@@ -51,7 +51,7 @@ pub type ReportFile = (PathBuf, Vec<u8>);
 pub fn files(report: &Report) -> Vec<ReportFile> {
     let mut files = vec![
         (PathBuf::from("index.html"), html::page(report).into_bytes()),
-        (PathBuf::from("report.csv"), csv::table(report).into_bytes()),
+        (PathBuf::from("report.csv"), csv::table(report)),
         (PathBuf::from("report.json"), format!("{:#}\n", json::report_json(report)).into_bytes()),
     ];
     for (name, plot) in plots::standalone(report) {

@@ -30,6 +30,8 @@ pub struct Volume<'a> {
     /// surfaces are, and those that see a part of a light with a size: there the view leaves a volume at the very depth of
     /// what it sees, and has left it.
     pub falls_on_itself: bool,
+    /// Where the sides begin through which the view enters it.
+    pub begin: Begin,
     /// Where it ends.
     pub end: End,
     /// Whether depths beyond near and far are clamped.
@@ -41,11 +43,6 @@ pub struct Volume<'a> {
 }
 
 impl Volume<'_> {
-    /// Where the sides begin through which the view enters it.
-    fn begin(&self) -> Begin {
-        if self.half == Half::Unlit || self.falls_on_itself { Begin::Ahead } else { Begin::Behind }
-    }
-
     /// The caster's name and what was chosen for it.
     pub fn name(&self) -> String {
         let mode = match self.half {
@@ -67,6 +64,12 @@ impl Volume<'_> {
 /// [`Volume::falls_on_itself`].
 pub fn falls_on_itself(light: &LightContext<'_>) -> bool {
     light.layer().is_some() || light.has_size()
+}
+
+/// Where a volume of `half` a caster's triangles begins: ahead for what may be seen from behind and is not dark for that. (What
+/// sees a part of a light with a size, turned away from its centre, may lie in the very plane of a side.)
+pub fn begin_of(light: &LightContext<'_>, half: Half) -> Begin {
+    if half == Half::Unlit || light.layer().is_some() { Begin::Ahead } else { Begin::Behind }
 }
 
 /// Where shaders find cut vertices.
@@ -101,7 +104,7 @@ pub fn upload(
     for member in groups.iter().flatten() {
         let volume = &volumes[member.caster];
         let Volume { caster: Caster { index, instance, shape, key, facing }, end, .. } = volume;
-        let listed = (weights, volume.begin());
+        let listed = (weights, volume.begin);
         let key = hash_of((key, &member.triangles, listed, matches!(end, End::Reach(_))));
         let runs = light.cache.get_or_compute("volume indices", key, || {
             let triangles = member.triangles.as_ref().unwrap_or(&facing.cast);
@@ -242,7 +245,7 @@ pub fn runs(volume: &Volume<'_>, indices: &VolumeIndices) -> Vec<Run> {
         // those of what is seen from behind and not dark, which the view leaves through a cap that is moved ahead. (A
         // side taken to be before what it touches only adds to a count there: it cannot cancel another's, and a move of
         // the receiver by the ambiguity band's ulps would put it in the volume.)
-        let begins_ahead = volume.begin() == Begin::Ahead;
+        let begins_ahead = volume.begin == Begin::Ahead;
         let how = if begins_ahead { How { faces: Faces::Leaving, ..how } } else { how };
         wanted.push((&side.near, how));
         if !meets_at_infinity {

@@ -394,10 +394,16 @@ struct SeenTriangle {
     a: vec3f,
     b: vec3f,
     c: vec3f,
-    // Edges a → b, b → c and a → c: see edge_heights.
+    // From a to b, and from b to c.
+    along_ab: vec3f,
+    along_bc: vec3f,
+    // Edges a → b, b → c and a → c: see edge_heights; and whether the light's centre is on the left of them.
     ab: vec3f,
     bc: vec3f,
     ac: vec3f,
+    left_of_ab: bool,
+    left_of_bc: bool,
+    left_of_ac: bool,
     // The side of its plane that the receiver is on.
     side: i32,
     bits: u32,
@@ -407,18 +413,6 @@ struct SeenTriangle {
     // How high the light's centre is over its plane, in metres.
     center_height: f32,
 }
-
-#if BESIDE
-fn beside(number: u32, part: u32) -> vec4f {
-    return bitcast<vec4f>(packed(soft_beside, number * 6u + part));
-}
-
-// As edge_heights, of an edge along d (in the frame) with this moment about the light's centre, which lies on the frame's axis.
-fn edge_heights_about_light(moment: vec3f, d: vec3f, r: Receiver) -> vec3f {
-    let m = in_frame(r, moment);
-    return vec3f(m.z, fma(-r.light_distance, d.y, m.x), fma(r.light_distance, d.x, m.y));
-}
-#endif
 
 fn seen_triangle(number: u32, r: Receiver) -> SeenTriangle {
     let first = packed(soft_triangles, number * 4u);
@@ -432,28 +426,52 @@ fn seen_triangle(number: u32, r: Receiver) -> SeenTriangle {
     seen.from_center = r.p - caster.xyz;
     seen.side = side_of(seen.plane, r, seen.from_center, caster.w);
     seen.bits = second.w;
+    let height = dot(seen.plane.xyz, seen.from_center) - seen.plane.w;
+    seen.center_height = dot(seen.plane.xyz, r.w) * r.light_distance + height * soft.light.w;
+    seen.a = in_frame(r, a - seen.from_center);
+    seen.b = in_frame(r, b - seen.from_center);
+    seen.c = in_frame(r, c - seen.from_center);
+    seen.along_ab = in_frame(r, b - a);
+    seen.along_bc = in_frame(r, c - b);
+    seen.ab = edge_heights(seen.a, seen.along_ab);
+    seen.bc = edge_heights(seen.b, seen.along_bc);
+    seen.ac = edge_heights(seen.a, in_frame(r, c - a));
+    seen.left_of_ab = center_is_left(across(seen.a), across(seen.b));
+    seen.left_of_bc = center_is_left(across(seen.b), across(seen.c));
+    seen.left_of_ac = center_is_left(across(seen.a), across(seen.c));
+    return seen;
+}
+
 #if BESIDE
+// As edge_heights, of an edge along d (in the frame) with this moment about the light's centre, which lies on the frame's axis.
+fn edge_heights_about_light(moment: vec3f, d: vec3f, r: Receiver) -> vec3f {
+    let m = in_frame(r, moment);
+    return vec3f(m.z, fma(-r.light_distance, d.y, m.x), fma(r.light_distance, d.x, m.y));
+}
+
+fn beside(number: u32, part: u32) -> vec4f {
+    return bitcast<vec4f>(packed(soft_beside, number * 6u + part));
+}
+
+// The same of a triangle that the light is beside, by what it is as the light sees it. Only where triangles are asked one by one:
+// beside listed edges, on which side the centre is has to follow from their own numbers.
+fn seen_from_light(number: u32, r: Receiver) -> SeenTriangle {
+    var seen = seen_triangle(number, r);
     let from_light = beside(number, 0u);
     let to_light = vec3f(0.0, 0.0, r.light_distance);
     seen.center_height = from_light.w;
     seen.a = in_frame(r, from_light.xyz) + to_light;
     seen.b = in_frame(r, beside(number, 1u).xyz) + to_light;
     seen.c = in_frame(r, beside(number, 2u).xyz) + to_light;
-    seen.ab = edge_heights_about_light(beside(number, 3u).xyz, in_frame(r, b - a), r);
-    seen.bc = edge_heights_about_light(beside(number, 4u).xyz, in_frame(r, c - b), r);
-    seen.ac = edge_heights_about_light(beside(number, 5u).xyz, in_frame(r, c - a), r);
-#else
-    let height = dot(seen.plane.xyz, seen.from_center) - seen.plane.w;
-    seen.center_height = dot(seen.plane.xyz, r.w) * r.light_distance + height * soft.light.w;
-    seen.a = in_frame(r, a - seen.from_center);
-    seen.b = in_frame(r, b - seen.from_center);
-    seen.c = in_frame(r, c - seen.from_center);
-    seen.ab = edge_heights(seen.a, in_frame(r, b - a));
-    seen.bc = edge_heights(seen.b, in_frame(r, c - b));
-    seen.ac = edge_heights(seen.a, in_frame(r, c - a));
-#endif
+    seen.ab = edge_heights_about_light(beside(number, 3u).xyz, seen.along_ab, r);
+    seen.bc = edge_heights_about_light(beside(number, 4u).xyz, seen.along_bc, r);
+    seen.ac = edge_heights_about_light(beside(number, 5u).xyz, seen.along_ab + seen.along_bc, r);
+    seen.left_of_ab = seen.ab.x >= 0.0;
+    seen.left_of_bc = seen.bc.x >= 0.0;
+    seen.left_of_ac = seen.ac.x >= 0.0;
     return seen;
 }
+#endif
 
 // How many times a triangle hides the light's centre: 0 or 1, but where rounding cannot tell neighbours apart; there,
 // and only there, their sum is right.
@@ -466,12 +484,7 @@ fn seen_hides_center(t: SeenTriangle) -> i32 {
     let a = across(t.a);
     let b = across(t.b);
     let c = across(t.c);
-#if BESIDE
-    let turns = axis_crossing(a, b, t.ab.x >= 0.0) + axis_crossing(b, c, t.bc.x >= 0.0) - axis_crossing(a, c, t.ac.x >= 0.0);
-#else
-    let turns = axis_crossing(a, b, center_is_left(a, b)) + axis_crossing(b, c, center_is_left(b, c))
-        - axis_crossing(a, c, center_is_left(a, c));
-#endif
+    let turns = axis_crossing(a, b, t.left_of_ab) + axis_crossing(b, c, t.left_of_bc) - axis_crossing(a, c, t.left_of_ac);
     let weight = select(0, weight_of(t.side, t.bits), opposite);
     return select(-weight, weight, (t.bits & 1u) != 0u) * turns;
 }

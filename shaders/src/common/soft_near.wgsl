@@ -56,7 +56,11 @@ fn next_near(walk: ptr<function, NearWalk>, r: Receiver) -> SeenTriangle {
         }
         while !found && (*walk).next < (*walk).end {
             let next = (*walk).next;
+#if BESIDE
+            t = seen_from_light(select(next, list_word(next), (*walk).in_list), r);
+#else
             t = seen_triangle(select(next, list_word(next), (*walk).in_list), r);
+#endif
             found = may_hide(t, r);
             (*walk).next += 1u;
         }

@@ -3,11 +3,19 @@
 
 #import common/alpha_mask
 
+// Adapters decode sRGB with tables that may be off by more than a thousandth: which byte it was is still told, and what that byte
+// stands for is reckoned.
+fn decoded(linear: vec3f) -> vec3f {
+    let encoded = select(1.055 * pow(linear, vec3f(1.0 / 2.4)) - 0.055, 12.92 * linear, linear <= vec3f(0.0031308));
+    let value = floor(encoded * 255.0 + 0.5) / 255.0;
+    return select(pow((value + 0.055) / 1.055, vec3f(2.4)), value / 12.92, value <= vec3f(0.04045));
+}
+
 fn texel_color(image: texture_2d<f32>, texel: vec2i, size: vec2i, reading: u32) -> vec4f {
     let place = vec2i(wrapped(texel.x, size.x, reading & 3u), wrapped(texel.y, size.y, (reading >> 2u) & 3u));
     let color = textureLoad(image, place, 0);
     // Without the rounding of a quotient: alpha 0 is no surface.
-    return vec4f(color.rgb, floor(color.a * 255.0 + 0.5) / 255.0);
+    return vec4f(decoded(color.rgb), floor(color.a * 255.0 + 0.5) / 255.0);
 }
 
 // Linear colour and alpha of `image` at `uv`, of its full size whatever the distance; `reading` as in common/alpha_mask.

@@ -1,6 +1,8 @@
 //! `common/disc_coverage.wgsl` written out in Rust, once in f64 and once in f32: so that its mathematics and its rounding
 //! are judged apart, and without a device.
 
+#![allow(clippy::excessive_precision, reason = "the shader's constants, in f64 too")]
+
 macro_rules! twin {
     ($name:ident, $f:ident, $vec2:ident, $vec3:ident) => {
         pub mod $name {

@@ -21,7 +21,7 @@ fn what_is_seen_through_an_undrawn_side_is_counted() {
         // Seen from below, it faces up: the eye looks through the shadow and out of it, at a ceiling in light.
         ("out of the volume", false, &below, p(-0.3, 2.4, 0.2)),
     ] {
-        let ceiling = shapes::plane(glam::Vec2::splat(4.0)).flipped().named("ceiling");
+        let ceiling = shapes::plane(Vec2::splat(4.0)).flipped().named("ceiling");
         let mut base = scene(vec![floor()], &[light]);
         base.add_mesh(
             shadowgraph_testing::mesh(ceiling),

@@ -36,7 +36,7 @@ pub(crate) fn scene(meshes: Vec<MeshData>, lights: &[DVec3]) -> Scene {
 
 /// A floor of 8 m at height 0.
 pub(crate) fn floor() -> MeshData {
-    shapes::plane(glam::Vec2::splat(4.0)).named("floor")
+    shapes::plane(Vec2::splat(4.0)).named("floor")
 }
 
 /// The scene with a node over everything.

@@ -62,7 +62,7 @@ impl Stage {
     /// The floor, the casters, the lamp and a node of `quality`.
     pub(crate) fn scene(&self, quality: &str) -> Scene {
         let mut scene = Scene::new();
-        let floor = shapes::plane(glam::Vec2::splat(6.0));
+        let floor = shapes::plane(Vec2::splat(6.0));
         scene.add_mesh(Mesh::new(floor).unwrap(), Material::default(), DAffine3::IDENTITY);
         for caster in &self.casters {
             scene.add_mesh(Mesh::new(caster.clone()).unwrap(), Material::default(), DAffine3::IDENTITY);
@@ -135,7 +135,7 @@ impl Stage {
     }
 
     /// What of the light any casters leave at `p` of the floor: the share of samples that none of their triangles hides.
-    pub(crate) fn right_by_samples(&self, p: DVec3, samples: &[glam::DVec2]) -> f64 {
+    pub(crate) fn right_by_samples(&self, p: DVec3, samples: &[DVec2]) -> f64 {
         let size = LightSize { radius_m: self.lamp.radius_m, ..LightSize::NONE };
         let LightDisc { radius, u, v } = size.disc((self.lamp.p - p).extend(1.0));
         let corner = |caster: &MeshData, i: u32| caster.positions[i as usize].as_dvec3() - p;
