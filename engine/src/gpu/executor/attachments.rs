@@ -2,8 +2,8 @@
 
 use super::encode::Scene;
 use crate::plan::{
-    Access, Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, ColorTarget, CompareFunction, DepthTarget,
-    Draw, DrawState, Geometry, Load, Pass, Shader, ShaderError, SlotId,
+    Access, Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, ColorTarget, CompareFunction,
+    DepthTarget, Draw, DrawState, Geometry, Load, Pass, Shader, ShaderError, SlotId,
 };
 
 pub(super) fn binding_view(scene: &Scene<'_>, binding: &Binding) -> Option<wgpu::TextureView> {

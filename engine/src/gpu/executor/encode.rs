@@ -10,12 +10,14 @@ use super::super::groups::{PassGroup, place_of};
 use super::super::materials::{FEATURE_FLAGS, MASKED, SURFACE_FUNCTION, features};
 use super::super::meshes::GpuMesh;
 use super::super::pipelines::{Culling, Wanted};
-use super::attachments::{binding_view, color_attachment, color_views, depth_attachment, layer_view, partial_clears};
+use super::attachments::{
+    binding_view, color_attachment, color_views, depth_attachment, layer_view, partial_clears,
+};
 use super::surface::{Surface, draw_kinds};
 use super::{Executor, GpuSlot};
 use crate::plan::{
-    Antialias, Binding, BlendState, CompareFunction, Draw, FactorAt, FramePlan, Geometry, Pass, PulledStyle, Shader,
-    SlotId, SlotKind, SurfaceStyle,
+    Antialias, Binding, BlendState, CompareFunction, Draw, FactorAt, FramePlan, Geometry, Pass, PulledStyle,
+    Shader, SlotId, SlotKind, SurfaceStyle,
 };
 use crate::scene::{Instance, Material, Posed};
 
