@@ -137,7 +137,7 @@ fn measured_of(
 }
 
 /// The mean of every pixel's four samples, of a frame that was antialiased: those that show a surface, NaN where none
-/// does. `values` are those of [`Measured`] or [`super::LightReference`], as large as `size_px`.
+/// does. `values` are those of [`Measured`] or [`crate::LightReference`], as large as `size_px`.
 pub fn mean_of_samples(size_px: [u32; 2], values: &[f32]) -> Vec<f32> {
     let [width, height] = size_px.map(|n| n as usize);
     let channels = (values.len() / (width * height).max(1)).max(1);

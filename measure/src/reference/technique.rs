@@ -17,7 +17,7 @@ use super::{LightQuery, Reference, Samples, SizedCasters};
 
 /// Exact shadows, traced on the CPU for every pixel: seconds for a frame.
 ///
-/// A light with a size has the visible share of `samples` of [`light_samples`](super::light_samples) as its factor.
+/// A light with a size has the visible share of `samples` of [`light_samples`](crate::light_samples) as its factor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct ReferenceShadow {
