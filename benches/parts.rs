@@ -8,7 +8,7 @@ use divan::{Bencher, black_box};
 use shadowgraph::demo;
 use shadowgraph::engine::geometry::Topology;
 use shadowgraph::engine::gltf;
-use shadowgraph::engine::manager::{Adapter, plan_frame};
+use shadowgraph::engine::render::{Adapter, plan_frame};
 use shadowgraph::engine::shadow::{Cache, Registry};
 use shadowgraph::measure::{Reference, queries};
 use shadowgraph::prelude::*;

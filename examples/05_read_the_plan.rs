@@ -6,8 +6,8 @@
 
 use std::error::Error;
 
-use shadowgraph::engine::manager::{Adapter, plan_frame};
 use shadowgraph::engine::plan::FramePlan;
+use shadowgraph::engine::render::{Adapter, plan_frame};
 use shadowgraph::engine::shadow::{Cache, Registry};
 use shadowgraph::prelude::*;
 

@@ -12,8 +12,8 @@ use std::time::{Duration, Instant};
 
 use glam::{DVec4, Vec3};
 use shadowgraph::demo;
-use shadowgraph::engine::manager::{Adapter, plan_frame};
 use shadowgraph::engine::plan::{FramePlan, Geometry, SlotKind};
+use shadowgraph::engine::render::{Adapter, plan_frame};
 use shadowgraph::engine::scene::Posed;
 use shadowgraph::engine::shadow::{Cache, Registry};
 use shadowgraph::measure::timing::{Pace, Runner, Spread, take_turns};

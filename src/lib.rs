@@ -47,10 +47,10 @@ pub mod prelude {
     pub use glam::{DAffine3, DQuat, DVec2, DVec3, Vec2, Vec3};
     pub use shadowgraph_engine::geometry::{Influences, Mesh, MeshData, MorphTarget, shapes};
     pub use shadowgraph_engine::gpu::{AdapterChoice, Gpu, Timing};
-    pub use shadowgraph_engine::manager::{
+    pub use shadowgraph_engine::plan::Antialias;
+    pub use shadowgraph_engine::render::{
         Exposure, FrameRequest, PictureFormat, RenderError, RenderOptions, Renderer,
     };
-    pub use shadowgraph_engine::plan::Antialias;
     pub use shadowgraph_engine::scene::{
         Animation, Camera, Channel, Content, Interpolation, Light, Material, MeshNode, PosedCamera, Property,
         Scene, Scope, ShadowNode, Skin, SurfaceFunction, Track, Transform,

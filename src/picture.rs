@@ -4,7 +4,7 @@ use std::path::Path;
 
 use image::{ImageError, RgbaImage};
 use shadowgraph_engine::gpu::{AdapterChoice, Gpu, GpuError};
-use shadowgraph_engine::manager::{FrameRequest, RenderError, RenderOptions, Renderer};
+use shadowgraph_engine::render::{FrameRequest, RenderError, RenderOptions, Renderer};
 use shadowgraph_engine::scene::{PosedCamera, Scene};
 use thiserror::Error;
 

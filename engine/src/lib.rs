@@ -9,6 +9,5 @@ pub mod gpu;
 pub mod math;
 pub mod plan;
 pub mod render;
-pub use render as manager;
 pub mod scene;
 pub mod shadow;

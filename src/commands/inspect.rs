@@ -7,8 +7,8 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 
 use clap::Args;
 use shadowgraph::engine::gltf::{Loaded, few_digits};
-use shadowgraph::engine::manager::{Adapter, plan_frame};
 use shadowgraph::engine::plan::FramePlan;
+use shadowgraph::engine::render::{Adapter, plan_frame};
 use shadowgraph::engine::scene::{Instance, NodeKey, Posed};
 use shadowgraph::engine::shadow::{Cache, Registry};
 use shadowgraph::prelude::*;

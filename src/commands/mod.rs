@@ -18,7 +18,7 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use shadowgraph::engine::gltf::GltfError;
-use shadowgraph::engine::manager::FrameError;
+use shadowgraph::engine::render::FrameError;
 use shadowgraph::measure::EvaluateError;
 use shadowgraph::prelude::*;
 use thiserror::Error;

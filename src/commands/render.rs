@@ -6,7 +6,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Map, Value, json};
 use shadowgraph::engine::gpu::GpuError;
-use shadowgraph::engine::manager::Frame;
+use shadowgraph::engine::render::Frame;
 use shadowgraph::engine::shadow::Catalog;
 use shadowgraph::measure::json::{error_json, spread_json};
 use shadowgraph::measure::pictures::PictureError;

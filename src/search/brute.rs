@@ -5,8 +5,8 @@
 //! and where a pixel's neighbourhood is not all of one kind.
 
 use glam::{DVec3, DVec4};
-use shadowgraph_engine::manager::FrameRequest;
 use shadowgraph_engine::math::facing_sign;
+use shadowgraph_engine::render::FrameRequest;
 use shadowgraph_engine::scene::{Posed, PosedCamera, PosedLight};
 
 use shadowgraph_measure::{Evaluation, LightQuery, LightReference};

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use shadowgraph_engine::gltf;
 use shadowgraph_engine::gpu::GpuError;
-use shadowgraph_engine::manager::{FrameError, FrameRequest, RenderError, Renderer};
+use shadowgraph_engine::render::{FrameError, FrameRequest, RenderError, Renderer};
 use shadowgraph_engine::scene::{ParamValue, Posed, PosedLight, Scene};
 use shadowgraph_engine::shadow::{Catalog, Claim, Registry, ShadowError, ShadowTechnique};
 

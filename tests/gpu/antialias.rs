@@ -1,8 +1,8 @@
 //! Antialiasing beyond the hard case `msaa`: the picture is the mean of its samples, the mean factor is nearer to the
 //! truth than one sample is, and what cannot be multisampled is refused.
 
-use shadowgraph::engine::manager::{Adapter, FrameError};
 use shadowgraph::engine::plan::{Binding, FactorAt, PlanError, SlotKind, TextureFormat};
+use shadowgraph::engine::render::{Adapter, FrameError};
 use shadowgraph::engine::scene::ShadowFlags;
 use shadowgraph::engine::shadow::{Cache, ShadowError};
 use shadowgraph::measure::{EvaluateError, Reference, evaluate, mean_of_samples, queries};

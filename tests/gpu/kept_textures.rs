@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use shadowgraph::engine::manager::Frame;
 use shadowgraph::engine::plan::{
     self, Access, BlendState, CompareFunction, DrawState, Lifetime, Load, MULTIPLY, PlanError, Resource,
     Shader, TextureDesc, TextureFormat,
 };
+use shadowgraph::engine::render::Frame;
 use shadowgraph::engine::scene::{Instance, ParamValue, Params};
 use shadowgraph::engine::shadow::{
     Binding, Catalog, Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, OptionError,
@@ -222,7 +222,7 @@ fn a_frame_that_fails_leaves_nothing_that_counts_as_drawn() {
 #[test]
 fn plans_say_what_is_kept_and_refuse_what_cannot_be() {
     let plan = |nodes: &[(u64, u32)]| {
-        let adapter = shadowgraph::engine::manager::Adapter::imagined();
+        let adapter = shadowgraph::engine::render::Adapter::imagined();
         let cache = shadowgraph::engine::shadow::Cache::new();
         shadowgraph_testing::try_plan_with(
             &yard(nodes),

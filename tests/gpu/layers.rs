@@ -7,8 +7,8 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use shadowgraph::cases::{self, Case};
 use shadowgraph::engine::geometry::shapes::{icosphere, plane, quad};
-use shadowgraph::engine::manager::{Adapter, FrameError};
 use shadowgraph::engine::plan::{FramePlan, SlotKind};
+use shadowgraph::engine::render::{Adapter, FrameError};
 use shadowgraph::engine::scene::{AlphaMode, Instance, ParamValue, Params};
 use shadowgraph::engine::shadow::{
     Cache, Catalog, Contribution, Layers, LightContext, OptionTable, PassList, ShadowError, ShadowTechnique,

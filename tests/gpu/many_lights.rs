@@ -2,8 +2,8 @@
 
 use glam::Vec2;
 use shadowgraph::engine::geometry::shapes::{Ends, cylinder, icosphere, plane, quad, torus_knot};
-use shadowgraph::engine::manager::Frame;
 use shadowgraph::engine::plan::FactorAt;
+use shadowgraph::engine::render::Frame;
 use shadowgraph::engine::scene::NodeKey;
 use shadowgraph::prelude::*;
 

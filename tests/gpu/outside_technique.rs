@@ -4,9 +4,9 @@
 mod rows;
 
 use crate::own_technique::{DiscShadow, catalog, disc_mesh};
-use shadowgraph::engine::manager::{Adapter, FrameError, plan_frame};
 use shadowgraph::engine::math::Projection;
 use shadowgraph::engine::plan::{FactorAt, FramePlan, SlotKind, TextureFormat};
+use shadowgraph::engine::render::{Adapter, FrameError, plan_frame};
 use shadowgraph::engine::scene::{NodeKey, ParamValue, placed};
 use shadowgraph::engine::shadow::{Cache, OptionError, Registry, ShadowError};
 use shadowgraph::measure::{ErrorTable, evaluate, expect_shadow};

@@ -69,11 +69,11 @@ fn scene() -> Scene {
 }
 
 fn plan(entry: TechniqueEntry) -> Result<shadowgraph::engine::plan::FramePlan, ShadowError> {
-    let (catalog, adapter) = (catalog(entry), shadowgraph::engine::manager::Adapter::imagined());
+    let (catalog, adapter) = (catalog(entry), shadowgraph::engine::render::Adapter::imagined());
     let cache = &shadowgraph::engine::shadow::Cache::new();
     shadowgraph_testing::try_plan_with(&scene(), &shadowgraph_testing::request(), &catalog, &adapter, cache)
         .map_err(|error| match error {
-            shadowgraph::engine::manager::FrameError::Shadow(error) => error,
+            shadowgraph::engine::render::FrameError::Shadow(error) => error,
             other => panic!("{other}"),
         })
 }

@@ -3,7 +3,7 @@
 //! size.
 
 use shadowgraph::cases::{self, Case};
-use shadowgraph::engine::manager::Frame;
+use shadowgraph::engine::render::Frame;
 use shadowgraph::engine::scene::{NodeKey, ParamValue, Params};
 use shadowgraph::measure::{
     ErrorTable, EvaluateError, Evaluation, KnownReferences, LightError, evaluate, evaluate_again,

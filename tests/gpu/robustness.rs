@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
 use shadowgraph::engine::gpu::{GpuError, Pixels};
-use shadowgraph::engine::manager::Frame;
 use shadowgraph::engine::plan::{CompareFunction, DrawState, Shader};
+use shadowgraph::engine::render::Frame;
 use shadowgraph::engine::scene::{Image, Params, TextureRef};
 use shadowgraph::engine::shadow::{
     Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, OptionTable, Pass, PassList,

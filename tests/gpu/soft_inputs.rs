@@ -164,7 +164,7 @@ fn normals_are_those_of_triangles_and_turned_surfaces_keep_what_the_technique_sa
 #[test]
 fn normals_are_in_the_plan_only_when_asked_for() {
     let plan = |scene: &Scene, request: &FrameRequest| {
-        let adapter = shadowgraph::engine::manager::Adapter::imagined();
+        let adapter = shadowgraph::engine::render::Adapter::imagined();
         let cache = shadowgraph::engine::shadow::Cache::new();
         shadowgraph_testing::try_plan_with(scene, request, &catalog(), &adapter, &cache)
     };

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec4};
 use shadowgraph::engine::geometry::shapes::plane;
-use shadowgraph::engine::manager::FrameError;
+use shadowgraph::engine::render::FrameError;
 use shadowgraph::engine::scene::{AlphaMode, Image, Instance, SurfaceFunctionError, TextureRef};
 use shadowgraph::prelude::*;
 use shadowgraph_testing::{at, quad, unit_box};
@@ -27,7 +27,7 @@ fn frame(
     renderer: &mut Renderer,
     scene: &Scene,
     request: &FrameRequest,
-) -> shadowgraph::engine::manager::Frame {
+) -> shadowgraph::engine::render::Frame {
     let exposure = Exposure::Fixed(1.0);
     let options = RenderOptions { exposure, read_picture: true, ..RenderOptions::default() };
     renderer.render(scene, request, &options).unwrap()

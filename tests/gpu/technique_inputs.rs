@@ -133,7 +133,7 @@ fn triangles_light_and_world_are_where_they_are_said_to_be() {
 #[test]
 fn visible_triangles_are_in_the_plan_only_when_asked_for() {
     let plan = |scene: &Scene, request: &FrameRequest| {
-        let adapter = shadowgraph::engine::manager::Adapter::imagined();
+        let adapter = shadowgraph::engine::render::Adapter::imagined();
         let cache = shadowgraph::engine::shadow::Cache::new();
         shadowgraph_testing::try_plan_with(scene, request, &catalog(), &adapter, &cache)
     };

@@ -3,11 +3,11 @@
 
 use std::sync::Arc;
 
-use shadowgraph::engine::manager::{Adapter, Frame, FrameError, PictureFormat};
 use shadowgraph::engine::plan::{
     CompareFunction, DrawState, FactorAt, FramePlan, MULTIPLY, Shader, Stencil, StencilFaceState,
     StencilOperation,
 };
+use shadowgraph::engine::render::{Adapter, Frame, FrameError, PictureFormat};
 use shadowgraph::engine::scene::{Instance, ParamValue, Params, ShadowFlags};
 use shadowgraph::engine::shadow::{
     self as shadow, Cache, Catalog, Channels, ColorTarget, Contribution, DepthTarget, Draw, Features,

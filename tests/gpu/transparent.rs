@@ -4,8 +4,8 @@
 use shadowgraph::cases::{self, Case, sweeps};
 use shadowgraph::measure::{ErrorTable, LayerEvaluation, Measured, evaluate_layers};
 use shadowgraph::prelude::*;
-use shadowgraph_engine::manager::{Adapter, FrameError, plan_frame};
 use shadowgraph_engine::plan::{FramePlan, SlotKind, TextureFormat};
+use shadowgraph_engine::render::{Adapter, FrameError, plan_frame};
 use shadowgraph_engine::scene::{AlphaMode, ParamValue};
 use shadowgraph_engine::shadow::{Cache, Features, Registry, Setting, ShadowError, TechniqueEntry};
 use shadowgraph_nodes::{Accumulate, TransparentShadow};

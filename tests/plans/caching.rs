@@ -1,8 +1,8 @@
 //! What does not move is not extracted again: the cache, and the revision keys of buffers.
 
 use glam::DVec3;
-use shadowgraph_engine::manager::{Adapter, FrameRequest};
 use shadowgraph_engine::plan::{FramePlan, SlotKind};
+use shadowgraph_engine::render::{Adapter, FrameRequest};
 use shadowgraph_engine::scene::{NodeKey, Scene};
 use shadowgraph_engine::shadow::Cache;
 use shadowgraph_testing::*;

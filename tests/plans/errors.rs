@@ -1,8 +1,8 @@
 //! What is refused before anything is drawn, and that each refusal names both parties and what is accepted.
 
 use glam::{DAffine3, DVec3, Vec3};
-use shadowgraph_engine::manager::{Adapter, FrameError, FrameRequest};
 use shadowgraph_engine::math::Projection;
+use shadowgraph_engine::render::{Adapter, FrameError, FrameRequest};
 use shadowgraph_engine::scene::{
     AlphaMode, Camera, Light, Material, ParamValue, PosedCamera, Scene, ShadowNode,
 };

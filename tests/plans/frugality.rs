@@ -1,8 +1,8 @@
 //! "Model only what a scene needs": what plans contain, and what they leave out, without a GPU.
 
 use glam::{DVec3, Vec3};
-use shadowgraph_engine::manager::{FrameRequest, PictureFormat};
 use shadowgraph_engine::plan::{Access, Draw, FramePlan, STENCIL_AT_REST, SlotKind, TextureFormat};
+use shadowgraph_engine::render::{FrameRequest, PictureFormat};
 use shadowgraph_engine::scene::{Light, Material, Scene};
 use shadowgraph_testing::*;
 

@@ -2,8 +2,8 @@
 
 use glam::{DAffine3, DVec3, Vec3};
 use shadowgraph_engine::geometry::{Chain, capped, doubled, facing_signs};
-use shadowgraph_engine::manager::{Adapter, FrameError, FrameRequest, PictureFormat};
 use shadowgraph_engine::plan::{CompareFunction, FactorAt, FramePlan, SlotKind, TextureFormat};
+use shadowgraph_engine::render::{Adapter, FrameError, FrameRequest, PictureFormat};
 use shadowgraph_engine::scene::{Light, Material, ParamValue, Scene, ShadowNode};
 use shadowgraph_engine::shadow::{Cache, Features, OptionError, ShadowError};
 use shadowgraph_testing::*;

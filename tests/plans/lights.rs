@@ -1,9 +1,9 @@
 //! How factors reach the shading pass: the stencil, the light mask, the visibility array; and who casts for whom.
 
-use shadowgraph_engine::manager::{Adapter, FrameError};
 use shadowgraph_engine::plan::{
     Access, Binding, BlendFactor, BlendOperation, FactorAt, FramePlan, Load, SlotKind, TextureFormat,
 };
+use shadowgraph_engine::render::{Adapter, FrameError};
 use shadowgraph_engine::scene::{NodeKey, Scene, ShadowNode};
 use shadowgraph_engine::shadow::{Cache, Registry, ShadowError};
 use shadowgraph_testing::*;

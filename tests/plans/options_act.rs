@@ -2,8 +2,8 @@
 
 use shadowgraph::measure::ReferenceShadow;
 use shadowgraph::prelude::*;
-use shadowgraph_engine::manager::Adapter;
 use shadowgraph_engine::plan::FramePlan;
+use shadowgraph_engine::render::Adapter;
 use shadowgraph_engine::scene::{AlphaMode, ParamValue, Params};
 use shadowgraph_engine::shadow::{Accepts, Cache, OptionSpec, Options, TechniqueEntry};
 use shadowgraph_testing::*;

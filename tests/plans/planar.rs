@@ -5,7 +5,7 @@ use shadowgraph::engine::plan::{Access, Geometry, SlotKind, TextureFormat};
 use shadowgraph::engine::scene::{NodeKey, ParamValue, Params};
 use shadowgraph::engine::shadow::{Options, ShadowError};
 use shadowgraph::prelude::*;
-use shadowgraph_engine::manager::FrameError;
+use shadowgraph_engine::render::FrameError;
 use shadowgraph_nodes::{Flat, NotPlanar};
 use shadowgraph_testing::*;
 

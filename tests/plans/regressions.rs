@@ -2,10 +2,10 @@
 
 use glam::{DVec3, Vec3};
 use shadowgraph_engine::geometry::{Mesh, MeshData};
-use shadowgraph_engine::manager::{Adapter, FrameRequest};
 use shadowgraph_engine::plan::{
     ColorTarget, FactorAt, Load, Pass, PlanError, Slot, SlotId, SlotKind, StencilOperation, TextureFormat,
 };
+use shadowgraph_engine::render::{Adapter, FrameRequest};
 use shadowgraph_engine::scene::{Camera, ParamValue, PosedCamera, ShadowNode, placed};
 use shadowgraph_engine::shadow::Cache;
 use shadowgraph_testing::*;

@@ -1,8 +1,8 @@
 //! Plans of `ShadowVolumeSoft`: what they contain and leave out, without a GPU.
 
 use glam::DVec3;
-use shadowgraph_engine::manager::{Adapter, FrameRequest};
 use shadowgraph_engine::plan::FramePlan;
+use shadowgraph_engine::render::{Adapter, FrameRequest};
 use shadowgraph_engine::scene::{Light, Material, ParamValue, Scene, ShadowNode};
 use shadowgraph_engine::shadow::Cache;
 use shadowgraph_nodes::ShadowVolumeSoft;

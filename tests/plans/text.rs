@@ -1,6 +1,6 @@
 //! The plan as text: what `inspect` prints, to the letter; and the shaders plans name.
 
-use shadowgraph_engine::manager::PictureFormat;
+use shadowgraph_engine::render::PictureFormat;
 use shadowgraph_testing::*;
 
 #[test]

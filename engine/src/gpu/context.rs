@@ -273,11 +273,6 @@ impl Gpu {
         describe(&self.info)
     }
 
-    /// Whether the adapter computes on the CPU: its absolute times say nothing about GPUs.
-    pub fn is_software(&self) -> bool {
-        self.info.device_type == wgpu::DeviceType::Cpu
-    }
-
     /// The first error since the last call, if any.
     ///
     /// # Errors

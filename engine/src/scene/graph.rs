@@ -205,12 +205,6 @@ impl Scene {
         self.materials.get(key).map(Arc::as_ref)
     }
 
-    /// The material behind `key` for changing; counts as a change of the scene.
-    pub fn material_mut(&mut self, key: MaterialKey) -> Option<&mut Material> {
-        self.touch();
-        self.materials.get_mut(key).map(Arc::make_mut)
-    }
-
     /// Every material with its key.
     pub fn materials(&self) -> impl Iterator<Item = (MaterialKey, &Material)> {
         self.materials.iter().map(|(key, material)| (key, material.as_ref()))

@@ -36,8 +36,8 @@ mod topology;
 mod touching_glass;
 mod transforms;
 
-use shadowgraph_engine::manager::FrameRequest;
 use shadowgraph_engine::plan::Antialias;
+use shadowgraph_engine::render::FrameRequest;
 use shadowgraph_engine::scene::{Params, PosedCamera, Scene};
 use shadowgraph_engine::shadow::{OptionError, ShadowTechnique, TechniqueEntry};
 

@@ -4,10 +4,10 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use shadowgraph_engine::gpu::Timing;
-use shadowgraph_engine::manager::{
+use shadowgraph_engine::plan::Antialias;
+use shadowgraph_engine::render::{
     FactorImage, Frame, FrameLayer, FrameRequest, RenderError, RenderOptions, Renderer,
 };
-use shadowgraph_engine::plan::Antialias;
 use shadowgraph_engine::scene::{Posed, Scene};
 use shadowgraph_engine::shadow::{Claim, LightSize, Registry};
 use thiserror::Error;

@@ -11,8 +11,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use shadowgraph_engine::gpu::Timing;
-use shadowgraph_engine::manager::{FrameRequest, RenderOptions, Renderer};
 use shadowgraph_engine::plan::Antialias;
+use shadowgraph_engine::render::{FrameRequest, RenderOptions, Renderer};
 use shadowgraph_engine::scene::{PosedCamera, Scene};
 use shadowgraph_engine::shadow::{Layer, Layers, Registry};
 

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use shadowgraph_engine::gpu::Timing;
-use shadowgraph_engine::manager::{FrameRequest, RenderError, RenderOptions, Renderer};
+use shadowgraph_engine::render::{FrameRequest, RenderError, RenderOptions, Renderer};
 use shadowgraph_engine::scene::Scene;
 
 /// Median, quartiles, minimum and maximum of some values.

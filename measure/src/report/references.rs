@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use shadowgraph_engine::manager::FrameRequest;
+use shadowgraph_engine::render::FrameRequest;
 use shadowgraph_engine::scene::Posed;
 
 use crate::reference::tracer::Hit;

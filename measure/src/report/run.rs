@@ -1,7 +1,7 @@
 //! Measuring everything, one part after the other. What fails is written down, and the rest goes on.
 
 use shadowgraph_engine::gpu::Gpu;
-use shadowgraph_engine::manager::{FrameError, FrameRequest, RenderError, Renderer};
+use shadowgraph_engine::render::{FrameError, FrameRequest, RenderError, Renderer};
 use shadowgraph_engine::scene::Scene;
 use shadowgraph_engine::shadow::{Catalog, Setting, ShadowError, TechniqueEntry};
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use shadowgraph_engine::gpu::Pixels;
-use shadowgraph_engine::manager::{Frame, FrameRequest, RenderError, RenderOptions};
+use shadowgraph_engine::render::{Frame, FrameRequest, RenderError, RenderOptions};
 use shadowgraph_engine::scene::{Content, Scene, Scope, ShadowNode};
 use shadowgraph_engine::shadow::{Setting, TechniqueEntry};
 

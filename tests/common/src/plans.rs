@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 use shadowgraph_engine::geometry::{Mesh, MeshData};
-use shadowgraph_engine::manager::{Adapter, FrameError, FrameRequest, plan_frame};
 use shadowgraph_engine::plan::{
     Draw, DrawState, FramePlan, Geometry, Shader, SlotKind, StencilOperation, SurfaceStyle,
 };
+use shadowgraph_engine::render::{Adapter, FrameError, FrameRequest, plan_frame};
 use shadowgraph_engine::scene::{
     Camera, Content, Instance, Light, Material, MeshNode, NodeKey, ParamValue, Params, PosedCamera, Scene,
     ShadowFlags, ShadowNode,

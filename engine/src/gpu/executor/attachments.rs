@@ -1,7 +1,10 @@
 //! Texture views, and attachments as the API wants them.
 
 use super::encode::Scene;
-use crate::plan::{Access, Binding, ColorTarget, DepthTarget, Load, SlotId};
+use crate::plan::{
+    Access, Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, ColorTarget, CompareFunction,
+    DepthTarget, Draw, DrawState, Geometry, Load, Pass, Shader, ShaderError, SlotId,
+};
 
 pub(super) fn binding_view(scene: &Scene<'_>, binding: &Binding) -> Option<wgpu::TextureView> {
     let mut descriptor = wgpu::TextureViewDescriptor::default();
@@ -91,3 +94,28 @@ pub(super) fn depth_attachment<'a>(
     };
     wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops }
 }
+
+/// Passes that clear what is cleared in part: no interface does, so that it is drawn.
+pub(super) fn partial_clears(colors: &[ColorTarget]) -> Result<Vec<Pass>, ShaderError> {
+    let clear = |color: &ColorTarget| {
+        let Load::ClearWithin(value, within) = color.load else { return None };
+        Some(Shader::composed("resolve_mask", &[], "fullscreen_vertex", Some("mark")).map(|shader| {
+            let mut state = DrawState::new(CompareFunction::Always, vec![Some(BLEND_CONSTANT)]);
+            state.blend_constant = value;
+            let draw = Draw::new("clear", Geometry::fullscreen(shader), state);
+            let draws = vec![Draw { scissor_px: Some(within), ..draw }];
+            Pass { name: "clear".into(), reason: String::new(), colors: vec![*color], depth: None, draws }
+        }))
+    };
+    colors.iter().filter_map(clear).collect()
+}
+
+/// The blend constant, whatever the shader says: what resolve_mask says is 1.
+const BLEND_CONSTANT: BlendState = {
+    let constant = BlendComponent {
+        src_factor: BlendFactor::Constant,
+        dst_factor: BlendFactor::Zero,
+        operation: BlendOperation::Add,
+    };
+    BlendState { color: constant, alpha: constant }
+};

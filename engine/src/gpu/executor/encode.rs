@@ -10,13 +10,14 @@ use super::super::groups::{PassGroup, place_of};
 use super::super::materials::{FEATURE_FLAGS, MASKED, SURFACE_FUNCTION, features};
 use super::super::meshes::GpuMesh;
 use super::super::pipelines::{Culling, Wanted};
-use super::attachments::{binding_view, color_attachment, color_views, depth_attachment, layer_view};
+use super::attachments::{
+    binding_view, color_attachment, color_views, depth_attachment, layer_view, partial_clears,
+};
 use super::surface::{Surface, draw_kinds};
 use super::{Executor, GpuSlot};
 use crate::plan::{
-    Antialias, Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, ColorTarget,
-    CompareFunction, Draw, DrawState, FactorAt, FramePlan, Geometry, Load, Pass, PulledStyle, Shader,
-    ShaderError, SlotId, SlotKind, SurfaceStyle,
+    Antialias, Binding, BlendState, CompareFunction, Draw, FactorAt, FramePlan, Geometry, Pass, PulledStyle,
+    Shader, SlotId, SlotKind, SurfaceStyle,
 };
 use crate::scene::{Instance, Material, Posed};
 
@@ -417,31 +418,6 @@ impl Executor {
         group
     }
 }
-
-/// Passes that clear what is cleared in part: no interface does, so that it is drawn.
-fn partial_clears(colors: &[ColorTarget]) -> Result<Vec<Pass>, ShaderError> {
-    let clear = |color: &ColorTarget| {
-        let Load::ClearWithin(value, within) = color.load else { return None };
-        Some(Shader::composed("resolve_mask", &[], "fullscreen_vertex", Some("mark")).map(|shader| {
-            let mut state = DrawState::new(CompareFunction::Always, vec![Some(BLEND_CONSTANT)]);
-            state.blend_constant = value;
-            let draw = Draw::new("clear", Geometry::fullscreen(shader), state);
-            let draws = vec![Draw { scissor_px: Some(within), ..draw }];
-            Pass { name: "clear".into(), reason: String::new(), colors: vec![*color], depth: None, draws }
-        }))
-    };
-    colors.iter().filter_map(clear).collect()
-}
-
-/// The blend constant, whatever the shader says: what resolve_mask says is 1.
-const BLEND_CONSTANT: BlendState = {
-    let constant = BlendComponent {
-        src_factor: BlendFactor::Constant,
-        dst_factor: BlendFactor::Zero,
-        operation: BlendOperation::Add,
-    };
-    BlendState { color: constant, alpha: constant }
-};
 
 fn culling_of(instance: &Instance, material: &Material) -> Culling {
     match (material.double_sided, instance.world_from_local.matrix3.determinant() < 0.0) {
