@@ -69,7 +69,8 @@ fn plane_of(instance: u32, first: u32) -> ReceiverPlane {
     n = normalize(select(scaled(n), vec3f(0.0, 0.0, 1.0), largest(n) < 1e-30));
     n = select(n, -n, dot(n, towards_eye) < 0.0);
     // As it is unpacked.
-    n = folded_in(folded_out(n));
+    let axis = longest_axis(n);
+    n = with_axis(beside_axis(n, axis), axis);
     let far_m = max(sqrt(max(squares.x, max(squares.y, squares.z))), 1e-30);
     let near_m = max(sqrt(min(squares.x, min(squares.y, squares.z))), 1e-30);
     return ReceiverPlane(n, dot(n, nearest), near_m, far_m);

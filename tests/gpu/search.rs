@@ -20,16 +20,13 @@ const KNOWN_SEEDS: &[(u64, &str)] = &[
         68,
         "one pixel of glass next to the fold between two panes, of which one is before the other's shadow by rounding",
     ),
-    (
-        199,
-        "one pixel of a strip thinner than a pixel, before its own side by what a rasteriser loses of its depth",
-    ),
+    (26, "one sample of a lamp with a size in one pixel: the lamp all but touches an edge of a caster"),
 ];
 
 /// Seeds by which the search found faults that are mended: each a scene of its own, of the kind that its number says.
 const MENDED_SEEDS: &[u64] = &[
-    90_737, 91_054, 200_222, 201_415, 202_153, 202_789, 203_018, 301_543, 402_994, 402_999, 403_549, 404_833,
-    500_603, 503_614, 503_807, 600_058,
+    90_737, 91_054, 200_222, 201_415, 202_153, 202_789, 203_018, 301_543, 402_994, 403_549, 404_833, 500_603,
+    503_614, 503_807, 600_058,
 ];
 
 #[test]

@@ -37,6 +37,7 @@ const CASTERS_WITHIN: Group = &[
     ("lamp-1e-9-over-vertex", casters_within(0.13)),
     ("soft-lamp-on-edge", casters_within(0.13)),
     ("soft-lamp-on-corner", casters_within(0.13)),
+    ("soft-lamp-in-floor/on-a-cube-level-with-another", casters_within(0.13)),
     ("ortho-lamp-beside", casters_within(0.13)),
 ];
 
@@ -85,6 +86,7 @@ const WEDGES: Group = &[
     ("wide-band", BELOW),
     ("soft-no-caster", BELOW),
     ("planar-no-caster", BELOW),
+    ("soft-lamp-in-floor", BELOW),
     ("lamp-1e-9-over-face/1e-9-m-inside", CENTRE_INSIDE),
     ("lamp-1e-9-over-edge/1e-9-m-inside", CENTRE_INSIDE),
     ("lamp-1e-9-over-vertex/1e-9-m-inside", CENTRE_INSIDE),

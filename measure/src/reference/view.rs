@@ -67,16 +67,16 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The distance between neighbouring values of the depth at distance `t`; a quarter of that right before 1 under an orthographic
+    /// The distance between neighbouring values of the depth at distance `t`; half of that right before 1 under an orthographic
     /// eye. There depth is a difference of two numbers up to 1 whatever its own size, and has no far end with finer ulps: of
-    /// [`super::DEPTH_ULPS`] a quarter remains, sixteen roundings of 1.
+    /// [`super::DEPTH_ULPS`] half remains, thirty-two roundings of 1.
     pub(crate) fn depth_ulp(&self, t: f64) -> f64 {
         match self.camera.projection {
             Projection::Perspective { near_m, .. } => {
                 let depth = (near_m / t) as f32;
                 f64::from(depth.next_up()) - f64::from(depth)
             }
-            Projection::Orthographic { .. } => f64::from(f32::EPSILON) / 8.0,
+            Projection::Orthographic { .. } => f64::from(f32::EPSILON) / 4.0,
         }
     }
 

@@ -65,9 +65,6 @@ const ROUNDING: f32 = 4e-7;
 // testing it against a cone's planes are two dozen roundings of 2^-24 each; this is 64.
 const CELL_ROUNDING: f32 = 3.8e-6;
 const TINY: f32 = 1e-30;
-// How far rasterisers move each coordinate of a corner, in pixels, to have it on their grid: a pixel shows the depth of a place as
-// near as that.
-const CORNER_SNAP: f32 = 1.0 / 512.0;
 
 // A visible point.
 struct Receiver {
@@ -133,16 +130,12 @@ fn inside_edges(cone: ListedCone, from_center: vec3f) -> vec3f {
 }
 
 // Whether a receiver lies strictly behind a triangle through `corner` (from the eye), wherever within the uncertainty of
-// its depth it is, and of its pixel: else it may lie on the triangle itself.
+// its depth it is: else it may lie on the triangle itself.
 fn is_behind(receiver: Receiver, corner: vec3f, away: vec3f) -> bool {
     let height = dot(away, receiver.p - corner);
     let seen = view_from_pixel(receiver.pixel, receiver.depth);
     let step = world_from_view(deeper(receiver.pixel, receiver.depth) - seen);
-    let snap = vec2f(CORNER_SNAP, 0.0);
-    let right = world_from_view(view_from_pixel(receiver.pixel + snap, receiver.depth) - seen);
-    let down = world_from_view(view_from_pixel(receiver.pixel + snap.yx, receiver.depth) - seen);
     let away_in_view = vec3f(dot(away, lists_seen.world_x), dot(away, lists_seen.world_y), dot(away, lists_seen.world_z));
-    let rounded = abs(dot(away, step)) * depth_loss(seen, away_in_view);
-    let uncertain = rounded + abs(dot(away, right)) + abs(dot(away, down)) + ROUNDING * (length(receiver.p) + length(corner));
+    let uncertain = abs(dot(away, step)) * depth_loss(seen, away_in_view) + ROUNDING * (length(receiver.p) + length(corner));
     return height > uncertain;
 }

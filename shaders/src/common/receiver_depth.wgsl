@@ -4,9 +4,9 @@
 
 // How many ulps the receiver's depth may be off: below the 64 that measures allow for.
 const DEPTH_ULPS: u32 = 48u;
-// And an orthographic depth, which is a difference of two numbers up to 1 whatever its own size: twelve roundings of 1, below the
-// sixteen that measures allow for.
-const ORTHOGRAPHIC_LOSS: f32 = 7.152557e-7;
+// And an orthographic depth, which is a difference of two numbers up to 1 whatever its own size: twenty-four roundings of 1, below the
+// thirty-two that measures allow for.
+const ORTHOGRAPHIC_LOSS: f32 = 1.4305115e-6;
 // A rasteriser evaluates depth as a plane over the target: it loses some roundings of the largest depth that this plane has
 // there. So many times one's own it may be before more ulps than DEPTH_ULPS are lost.
 const STEEPEST_DEPTH: f32 = 16.0;
@@ -38,35 +38,40 @@ struct ReceiverPlane {
     far_m: f32,
 }
 
-// The upper half of a distance's digits, rounded up.
-fn upper_half(distance_m: f32) -> u32 {
-    return (bitcast<u32>(distance_m) + 0xffffu) >> 16u;
+// The axis along which a unit vector is longest: 0, 1 or 2; twice that, and 1 more where it points against it.
+fn longest_axis(n: vec3f) -> u32 {
+    let size = abs(n);
+    let axis = select(select(0u, 1u, size.y > size.x), 2u, size.z > max(size.x, size.y));
+    let along = select(select(n.x, n.y, axis == 1u), n.z, axis == 2u);
+    return axis * 2u + select(0u, 1u, along < 0.0);
 }
 
-// A normal of the upper or lower half of a sphere on a square (the octahedron's faces folded out), and back.
-fn folded_out(n: vec3f) -> vec2f {
-    let on_octahedron = n / (abs(n.x) + abs(n.y) + abs(n.z));
-    let p = on_octahedron.xy;
-    let below = (1.0 - abs(p.yx)) * select(vec2f(-1.0), vec2f(1.0), p >= vec2f(0.0));
-    return select(p, below, on_octahedron.z < 0.0);
+// The other two components of a unit vector, and the vector again: the longest, from a sum of squares, is as exact as they are.
+fn beside_axis(n: vec3f, axis: u32) -> vec2f {
+    return select(select(n.yz, n.zx, axis >> 1u == 1u), n.xy, axis >> 1u == 2u);
 }
 
-fn folded_in(p: vec2f) -> vec3f {
-    let z = 1.0 - abs(p.x) - abs(p.y);
-    let beyond = max(-z, 0.0);
-    return normalize(vec3f(p - select(vec2f(-beyond), vec2f(beyond), p >= vec2f(0.0)), z));
+fn with_axis(others: vec2f, axis: u32) -> vec3f {
+    let length = sqrt(max(1.0 - dot(others, others), 0.0));
+    let along = select(length, -length, (axis & 1u) != 0u);
+    let first = vec3f(along, others);
+    return select(select(first, first.zxy, axis >> 1u == 1u), first.yzx, axis >> 1u == 2u);
 }
 
-// As a texel of the image of receivers' planes: four words, so that drawing it costs no more than a triangle's number.
+// As a texel of the image of receivers' planes: four words, so that drawing it costs no more than a triangle's number. Of distances
+// the first digits, rounded up.
 fn packed_plane(plane: ReceiverPlane) -> vec4u {
-    let place = bitcast<vec2u>(folded_out(plane.normal));
-    return vec4u(place, bitcast<u32>(plane.offset_m), upper_half(plane.near_m) | (upper_half(plane.far_m) << 16u));
+    let axis = longest_axis(plane.normal);
+    let near = (bitcast<u32>(plane.near_m) + 0x1ffffu) >> 17u;
+    let far = (bitcast<u32>(plane.far_m) + 0xffffu) >> 16u;
+    let others = bitcast<vec2u>(beside_axis(plane.normal, axis));
+    return vec4u(others, bitcast<u32>(plane.offset_m), near | (far << 14u) | (axis << 29u));
 }
 
 fn unpacked_plane(texel: vec4u) -> ReceiverPlane {
-    let normal = folded_in(bitcast<vec2f>(texel.xy));
-    let near_m = bitcast<f32>(texel.w << 16u);
-    let far_m = bitcast<f32>(texel.w & 0xffff0000u);
+    let normal = with_axis(bitcast<vec2f>(texel.xy), texel.w >> 29u);
+    let near_m = bitcast<f32>((texel.w & 0x3fffu) << 17u);
+    let far_m = bitcast<f32>(((texel.w >> 14u) & 0x7fffu) << 16u);
     return ReceiverPlane(normal, bitcast<f32>(texel.z), near_m, far_m);
 }
 
