@@ -35,6 +35,8 @@ mod overlap;
 mod points;
 mod receivers;
 
+use std::collections::BTreeMap;
+
 use shadowgraph_engine::math::POSITION_EPSILON;
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
@@ -86,7 +88,7 @@ impl ShadowTechnique for SoftShadow {
         let lit: Vec<Lit> = receivers.iter().map(|receiver| Lit::new(self, light, receiver)).collect();
         // Turned to the light or away from it as a whole, a receiver's own shadow is the engine's to know.
         let cut = lit.iter().any(|lit| lit.is_cut());
-        let (mut in_picture, mut shades) = (None, false);
+        let (mut in_picture, mut shades) = (BTreeMap::new(), false);
         for (receiver, lit) in receivers.iter().zip(&lit) {
             if cut || !lit.is_dark() {
                 shades |= self.shade(light, out, (receiver, lit), &mut in_picture)?;
@@ -173,13 +175,14 @@ impl SoftShadow {
         Ok(())
     }
 
-    /// The shadow on one plane; false where there is none. What is drawn in the picture shares its targets.
+    /// The shadow on one plane; false where there is none. What is drawn in the picture with as many points shares its targets:
+    /// planes that the light stands on have one point more.
     fn shade(
         &self,
         light: &LightContext<'_>,
         out: &mut PassList<'_>,
         (receiver, lit): (&Receiver, &Lit),
-        shared: &mut Option<Targets>,
+        shared: &mut BTreeMap<usize, Targets>,
     ) -> Result<bool, ShadowError> {
         // Of what is dark as a whole there is nothing to keep.
         let in_picture = self.mode == PlanarMode::Direct || lit.is_dark();
@@ -190,7 +193,8 @@ impl SoftShadow {
         let what = (receiver, lit, &casters);
         if in_picture {
             let canvas = Canvas::picture(light);
-            let targets = *shared.get_or_insert_with(|| canvas.targets(out, lit.heights.len()));
+            let count = lit.heights.len();
+            let targets = *shared.entry(count).or_insert_with(|| canvas.targets(out, count));
             draws::mark(light, out, (&canvas, targets), what)?;
             draws::weigh(light, out, &canvas, (receiver, lit), targets.bits)?;
         } else if let Some(canvas) = Canvas::texture(light, receiver, lit, &casters, self.resolution) {
