@@ -50,7 +50,8 @@ const SIDE_SHIFT: f32 = 9.5367431640625e-7;
 // As much before the surface: for sides that begin at a visible triangle which is not to be before them by chance.
 const AHEAD_SHIFT: f32 = 9.5367431640625e-7;
 
-// A corner moved towards the eye by a share of its depth.
+// A corner moved towards the eye by a share of its depth; under an orthographic eye, whose depth loses as much everywhere, by
+// half that share of 1.
 fn moved_nearer(clip: vec4f, share: f32) -> vec4f {
     let depth_unit = select(0.5 * clip.w, clip.z, frame.eye_w > 0.0);
     return vec4f(clip.xy, clip.z + depth_unit * share, clip.w);
