@@ -24,10 +24,10 @@ fn knot(triangles: u32) -> MeshData {
 }
 
 /// A demo or speed scene with its camera, by its name.
-fn scene(name: &str) -> (Scene, PosedCamera) {
+fn scene(name: &str) -> (Scene, CameraSnapshot) {
     let all = demo::all().into_iter().chain(demo::speed());
     let (_, _, scene) = all.into_iter().find(|(stem, ..)| *stem == name).unwrap();
-    let camera = scene.pose().unwrap().cameras[0].clone();
+    let camera = scene.snapshot().unwrap().cameras[0].clone();
     (scene, camera)
 }
 
@@ -43,13 +43,13 @@ fn adjacency(bencher: Bencher<'_, '_>, triangles: u32) {
 #[divan::bench(args = ["knot13k", "knot63k", "boxes1k", "plant"])]
 fn extraction(bencher: Bencher<'_, '_>, name: &str) {
     let (scene, camera) = scene(name);
-    let posed = scene.pose().unwrap();
-    let registry = Registry::collect(&posed, &shadowgraph::nodes::catalog()).unwrap();
+    let snapshot = scene.snapshot().unwrap();
+    let registry = Registry::collect(&snapshot, &shadowgraph::nodes::catalog()).unwrap();
     let request = FrameRequest::new(camera, [1280, 720]);
     let cache = Cache::new();
     let mut turn = 0.0;
     bencher.bench_local(|| {
-        let mut moved = posed.clone();
+        let mut moved = snapshot.clone();
         turn += 1e-3;
         moved.lights.iter_mut().for_each(|light| light.position.x += turn);
         cache.begin_frame();
@@ -61,15 +61,15 @@ fn extraction(bencher: Bencher<'_, '_>, name: &str) {
 #[divan::bench(args = ["room", "knots", "boxes1k"])]
 fn planning(bencher: Bencher<'_, '_>, name: &str) {
     let (scene, camera) = scene(name);
-    let posed = scene.pose().unwrap();
-    let registry = Registry::collect(&posed, &shadowgraph::nodes::catalog()).unwrap();
+    let snapshot = scene.snapshot().unwrap();
+    let registry = Registry::collect(&snapshot, &shadowgraph::nodes::catalog()).unwrap();
     let request = FrameRequest::new(camera, [1280, 720]);
     let cache = Cache::new();
     // The first frame extracts; that is timed by itself.
-    plan_frame(&posed, &registry, &request, &Adapter::imagined(), &cache).unwrap();
+    plan_frame(&snapshot, &registry, &request, &Adapter::imagined(), &cache).unwrap();
     bencher.bench_local(|| {
         cache.begin_frame();
-        plan_frame(&posed, &registry, &request, &Adapter::imagined(), &cache).unwrap()
+        plan_frame(&snapshot, &registry, &request, &Adapter::imagined(), &cache).unwrap()
     });
 }
 
@@ -84,9 +84,9 @@ fn gltf_load(bencher: Bencher<'_, '_>, name: &str) {
 fn reference_rays(bencher: Bencher<'_, '_>, name: &str) {
     const SIZE_PX: [u32; 2] = [160, 90];
     let (scene, camera) = scene(name);
-    let posed = scene.pose().unwrap();
-    let registry = Registry::collect(&posed, &shadowgraph::nodes::catalog()).unwrap();
-    let (reference, queries) = (Reference::new(&posed), queries(&registry));
+    let snapshot = scene.snapshot().unwrap();
+    let registry = Registry::collect(&snapshot, &shadowgraph::nodes::catalog()).unwrap();
+    let (reference, queries) = (Reference::new(&snapshot), queries(&registry));
     bencher
         .counter(divan::counter::ItemsCount::new(SIZE_PX[0] as usize * SIZE_PX[1] as usize))
         .bench_local(|| reference.render(&camera, SIZE_PX, &queries, &|_, _| {}));

@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     scene.add_shadow("shadows", ShadowVolumeHard::default());
 
     let camera = Camera::perspective("eye", 0.8);
-    let camera = PosedCamera::looking(camera, DVec3::new(4.0, 3.0, 5.0), DVec3::ZERO);
+    let camera = CameraSnapshot::looking(camera, DVec3::new(4.0, 3.0, 5.0), DVec3::ZERO);
     let picture = Renderer::open()?.picture(&scene, &camera, [640, 480])?;
     picture.save("out/first_picture.png")?;
     Ok(())

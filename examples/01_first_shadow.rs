@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     scene.add_shadow("shadows", ShadowVolumeHard::default());
 
     let camera = Camera::perspective("eye", 0.62);
-    let camera = PosedCamera::looking(camera, DVec3::new(1.6, 3.0, 6.6), DVec3::new(0.35, 0.85, 0.0));
+    let camera = CameraSnapshot::looking(camera, DVec3::new(1.6, 3.0, 6.6), DVec3::new(0.35, 0.85, 0.0));
     let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
     common::picture(&mut renderer, &scene, &camera, Exposure::Fixed(1.6), "01_first_shadow")
 }

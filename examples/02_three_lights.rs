@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{:5} {:5} {kind}, {range}", light.name, light.intensity);
     }
     let camera = Camera::perspective("eye", 0.62);
-    let camera = PosedCamera::looking(camera, DVec3::new(0.6, 5.2, 7.4), DVec3::new(0.1, 0.1, 0.2));
+    let camera = CameraSnapshot::looking(camera, DVec3::new(0.6, 5.2, 7.4), DVec3::new(0.1, 0.1, 0.2));
     let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
     common::picture(&mut renderer, &scene, &camera, Exposure::Fixed(1.4), "02_three_lights")
 }

@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     scene.add_shadow("boxes from the cool lamp", hard().with_lights([cool]).with_casters([boxes]));
 
     let camera = Camera::perspective("eye", 0.5);
-    let camera = PosedCamera::looking(camera, DVec3::new(0.0, 8.2, 7.6), DVec3::new(0.0, 0.0, 0.1));
+    let camera = CameraSnapshot::looking(camera, DVec3::new(0.0, 8.2, 7.6), DVec3::new(0.0, 0.0, 0.1));
     let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
     common::picture(&mut renderer, &scene, &camera, Exposure::Fixed(2.2), "03_scoped_casters")
 }

@@ -11,7 +11,7 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use shadowgraph::engine::gltf;
-use shadowgraph::engine::scene::Posed;
+use shadowgraph::engine::scene::SceneSnapshot;
 use shadowgraph::prelude::*;
 
 const DEFAULT_SCENE: &str = "assets/room.glb";
@@ -35,41 +35,41 @@ fn draw(path: &str) -> Result<(), Box<dyn Error>> {
     warnings.iter().for_each(|warning| println!("left out: {warning}"));
 
     // Posing flattens the graph into what is visible, shines, and casts.
-    let posed = scene.pose()?;
-    let triangles: usize = posed.instances.iter().map(|instance| instance.mesh.triangle_count()).sum();
-    println!("{path}: {} meshes, {triangles} triangles", posed.instances.len());
-    for light in &posed.lights {
+    let snapshot = scene.snapshot()?;
+    let triangles: usize = snapshot.instances.iter().map(|instance| instance.mesh.triangle_count()).sum();
+    println!("{path}: {} meshes, {triangles} triangles", snapshot.instances.len());
+    for light in &snapshot.lights {
         println!("  light '{}', {:?}", light.name, light.light.kind);
     }
-    for node in &posed.shadow_nodes {
+    for node in &snapshot.shadow_nodes {
         let (lights, casters) = (node.lights.len(), node.casters.len());
         println!(
             "  shadow node '{}': {}, {lights} lights, {casters} casters",
             node.name, node.shadow.technique
         );
     }
-    if posed.lights.is_empty() {
+    if snapshot.lights.is_empty() {
         println!("  no light: a sun is added");
         scene.add_light(Light::directional("sun", 3.0), DVec3::new(2.0, 5.0, 3.0), DVec3::ZERO);
     }
-    if posed.shadow_nodes.is_empty() {
+    if snapshot.shadow_nodes.is_empty() {
         println!("  no shadow node: every mesh casts a hard shadow");
         scene.add_shadow("shadows", ShadowVolumeHard::default());
     }
 
-    let main = posed.cameras.iter().find(|camera| camera.name == "main").or(posed.cameras.first());
-    let camera = main.cloned().map_or_else(|| framed(&posed), Ok)?;
+    let main = snapshot.cameras.iter().find(|camera| camera.name == "main").or(snapshot.cameras.first());
+    let camera = main.cloned().map_or_else(|| framed(&snapshot), Ok)?;
     let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
     common::picture(&mut renderer, &scene, &camera, Exposure::Auto, "04_load_gltf")
 }
 
 /// A camera that has everything in view, from the front, the right and above.
-fn framed(posed: &Posed) -> Result<PosedCamera, Box<dyn Error>> {
+fn framed(snapshot: &SceneSnapshot) -> Result<CameraSnapshot, Box<dyn Error>> {
     const FOV_Y_RAD: f64 = 0.7;
-    if posed.world_bounds.is_empty() {
+    if snapshot.world_bounds.is_empty() {
         return Err("the scene has no mesh to look at".into());
     }
-    let (center, radius_m) = (posed.world_bounds.center(), posed.world_bounds.radius());
+    let (center, radius_m) = (snapshot.world_bounds.center(), snapshot.world_bounds.radius());
     // The sphere around everything touches the upper and lower edge of the view.
     let distance_m = radius_m / (FOV_Y_RAD * 0.5).sin();
     let eye = center + DVec3::new(0.5, 0.45, 0.85).normalize() * distance_m;
@@ -77,5 +77,5 @@ fn framed(posed: &Posed) -> Result<PosedCamera, Box<dyn Error>> {
     // Models come in every unit: the near plane goes with the size, not with the metre.
     let near_m = (distance_m - radius_m).max(distance_m * 1e-2) * 0.5;
     camera.projection = shadowgraph::engine::math::Projection::Perspective { fov_y_rad: FOV_Y_RAD, near_m };
-    Ok(PosedCamera::looking(camera, eye, center))
+    Ok(CameraSnapshot::looking(camera, eye, center))
 }

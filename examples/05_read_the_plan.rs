@@ -43,11 +43,11 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// The plan of a frame seen from `eye`, for an adapter that is only imagined.
 fn plan(scene: &Scene, eye: DVec3) -> Result<FramePlan, Box<dyn Error>> {
-    let posed = scene.pose()?;
-    let registry = Registry::collect(&posed, &shadowgraph_nodes::catalog())?;
-    let camera = PosedCamera::looking(Camera::perspective("eye", 0.8), eye, DVec3::new(2.5, 0.5, 1.0));
+    let snapshot = scene.snapshot()?;
+    let registry = Registry::collect(&snapshot, &shadowgraph_nodes::catalog())?;
+    let camera = CameraSnapshot::looking(Camera::perspective("eye", 0.8), eye, DVec3::new(2.5, 0.5, 1.0));
     let request = FrameRequest::new(camera, [1280, 720]);
-    Ok(plan_frame(&posed, &registry, &request, &Adapter::imagined(), &Cache::new())?)
+    Ok(plan_frame(&snapshot, &registry, &request, &Adapter::imagined(), &Cache::new())?)
 }
 
 /// The lines that only one of two texts has, in their order.

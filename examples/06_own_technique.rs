@@ -67,7 +67,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     scene.add_shadow("discs, smooth", of_discs(DiscShadow { edge_m: 0.12 }).with_lights([sky]));
 
     let camera = Camera::perspective("eye", 0.6);
-    let camera = PosedCamera::looking(camera, DVec3::new(0.5, 2.1, 7.2), DVec3::new(0.3, 1.45, 0.0));
+    let camera = CameraSnapshot::looking(camera, DVec3::new(0.5, 2.1, 7.2), DVec3::new(0.3, 1.45, 0.0));
     let mut renderer = common::renderer(own_technique::catalog())?;
     let plan = renderer.plan(&scene, &FrameRequest::new(camera.clone(), common::SIZE_PX))?;
     for light in &plan.lights {

@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     scene.add_shadow("shadows", ShadowVolumeHard::default());
 
     let camera = Camera::perspective("eye", 0.66);
-    let camera = PosedCamera::looking(camera, DVec3::new(0.4, 4.2, 6.6), DVec3::new(0.0, 0.7, 0.0));
+    let camera = CameraSnapshot::looking(camera, DVec3::new(0.4, 4.2, 6.6), DVec3::new(0.0, 0.7, 0.0));
     let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
     common::picture(&mut renderer, &scene, &camera, Exposure::Fixed(1.3), "07_how_wrong")?;
 

@@ -14,7 +14,7 @@ use glam::{DVec4, Vec3};
 use shadowgraph::demo;
 use shadowgraph::engine::plan::{FramePlan, Geometry, SlotKind};
 use shadowgraph::engine::render::{Adapter, plan_frame};
-use shadowgraph::engine::scene::Posed;
+use shadowgraph::engine::scene::SceneSnapshot;
 use shadowgraph::engine::shadow::{Cache, Registry};
 use shadowgraph::measure::timing::{Pace, Runner, Spread, take_turns};
 use shadowgraph::measure::{Reference, compare, measured, queries};
@@ -94,8 +94,8 @@ fn table(name: &str, scene: &Scene, rows: &[Row]) -> Result<(), Box<dyn Error>> 
     if std::env::args().nth(1).is_some_and(|word| !name.contains(&word)) {
         return Ok(());
     }
-    let posed = scene.pose()?;
-    let camera = posed.cameras.first().ok_or("a scene has no camera")?.clone();
+    let snapshot = scene.snapshot()?;
+    let camera = snapshot.cameras.first().ok_or("a scene has no camera")?.clone();
     let request = FrameRequest::new(camera, SIZE_PX);
     let mut runners = Vec::new();
     for (_, node) in rows {
@@ -117,10 +117,10 @@ fn table(name: &str, scene: &Scene, rows: &[Row]) -> Result<(), Box<dyn Error>> 
     let mut reference = None;
     for (index, ((row, node), runner)) in rows.iter().zip(&mut runners).enumerate() {
         let plan = runner.renderer.plan(&runner.scene, &request)?;
-        let (posed, registry) = runner.renderer.posed(&runner.scene)?;
+        let (snapshot, registry) = runner.renderer.snapshot(&runner.scene)?;
         let wrong = if node.is_some() {
             let reference = reference.get_or_insert_with(|| {
-                Reference::new(&posed).render(&request.camera, SIZE_PX, &queries(&registry), &|_, _| {})
+                Reference::new(&snapshot).render(&request.camera, SIZE_PX, &queries(&registry), &|_, _| {})
             });
             let request = FrameRequest { factors: true, ..request.clone() };
             let frame = runner.renderer.render(&runner.scene, &request, &RenderOptions::default())?;
@@ -137,27 +137,31 @@ fn table(name: &str, scene: &Scene, rows: &[Row]) -> Result<(), Box<dyn Error>> 
             "  {row:<30} {:>9.2} {:>9.2} {shadow_ms:>10.2} {share:>9.2} {vertices:>9} {:>9.2} {:>10} {:>7.2} {wrong:>7}",
             spread(index).median,
             least(index),
-            drawn_px(&posed, &plan, &request) * 1e-6,
+            drawn_px(&snapshot, &plan, &request) * 1e-6,
             plan.bytes(),
-            plan_ms(&posed, &registry, &request)?
+            plan_ms(&snapshot, &registry, &request)?
         );
     }
     Ok(())
 }
 
 /// The time of planning with nothing kept from before: silhouettes are extracted anew. The best of five.
-fn plan_ms(posed: &Posed, registry: &Registry, request: &FrameRequest) -> Result<f64, Box<dyn Error>> {
+fn plan_ms(
+    snapshot: &SceneSnapshot,
+    registry: &Registry,
+    request: &FrameRequest,
+) -> Result<f64, Box<dyn Error>> {
     let mut best_ms = f64::INFINITY;
     for _ in 0..5 {
         let start = Instant::now();
-        plan_frame(posed, registry, request, &Adapter::imagined(), &Cache::new())?;
+        plan_frame(snapshot, registry, request, &Adapter::imagined(), &Cache::new())?;
         best_ms = best_ms.min(start.elapsed().as_secs_f64() * 1e3);
     }
     Ok(best_ms)
 }
 
 /// The pixels that all triangles of all volumes cover together, as the vertex shader places them.
-fn drawn_px(posed: &Posed, plan: &FramePlan, request: &FrameRequest) -> f64 {
+fn drawn_px(snapshot: &SceneSnapshot, plan: &FramePlan, request: &FrameRequest) -> f64 {
     let [width, height] = SIZE_PX.map(f64::from);
     let clip_from_world = request.camera.projection.clip_from_view(width / height)
         * glam::DMat4::from(request.camera.world_from_view.inverse());
@@ -178,7 +182,7 @@ fn drawn_px(posed: &Posed, plan: &FramePlan, request: &FrameRequest) -> f64 {
             .flat_map(|slot| bytemuck::pod_collect_to_vec(words(slot)))
             .collect();
         let record = records[record as usize];
-        let instance = &posed.instances[instance as usize];
+        let instance = &snapshot.instances[instance as usize];
         let indices: Vec<u32> = bytemuck::pod_collect_to_vec(words(indices));
         let world_from_shader = instance.world_from_shader();
         let corner = |index: &u32| -> DVec4 {

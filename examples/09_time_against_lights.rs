@@ -32,8 +32,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         shadowed.add_shadow("shadows", ShadowVolumeHard::default());
         let mut runners = Vec::new();
         for scene in [lit, shadowed] {
-            let posed = scene.pose()?;
-            let camera = posed.cameras.first().ok_or("the scene has no camera")?.clone();
+            let snapshot = scene.snapshot()?;
+            let camera = snapshot.cameras.first().ok_or("the scene has no camera")?.clone();
             let renderer = common::renderer(shadowgraph_nodes::catalog())?;
             runners.push(Runner { renderer, scene, request: FrameRequest::new(camera, SIZE_PX) });
         }

@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (clip, animation) = scene.animations().next().ok_or("the scene has no animation")?;
     let (name, duration_s) = (animation.name.clone(), animation.duration_s());
     println!("'{name}', {duration_s} s");
-    let camera = scene.pose()?.cameras.into_iter().next().ok_or("the scene has no camera")?;
+    let camera = scene.snapshot()?.cameras.into_iter().next().ok_or("the scene has no camera")?;
     let request = FrameRequest::new(camera.clone(), SIZE_PX);
 
     // One renderer for all times: what it keeps belongs to the pose it was computed for.

@@ -73,7 +73,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     scene.add_shadow("the sky's", ShadowNode::from(worn).with_lights([sky]).with_receivers(receivers));
 
     let camera = Camera::perspective("eye", 0.62);
-    let camera = PosedCamera::looking(camera, DVec3::new(1.1, 2.3, 6.0), DVec3::new(0.1, 0.75, -0.4));
+    let camera = CameraSnapshot::looking(camera, DVec3::new(1.1, 2.3, 6.0), DVec3::new(0.1, 0.75, -0.4));
     let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
     common::picture(&mut renderer, &scene, &camera, Exposure::Fixed(0.45), "12_planar")?;
     // Nothing has moved since: what was drawn into textures is there.

@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     scene.add_shadow("shadows", TransparentShadow::default());
 
     let camera = Camera::perspective("eye", 0.55);
-    let camera = PosedCamera::looking(camera, DVec3::new(1.9, 4.6, 8.6), DVec3::new(1.3, 0.9, 0.0));
+    let camera = CameraSnapshot::looking(camera, DVec3::new(1.9, 4.6, 8.6), DVec3::new(1.3, 0.9, 0.0));
     let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
     common::picture(&mut renderer, &scene, &camera, Exposure::Fixed(1.0), "13_inner_structure")
 }

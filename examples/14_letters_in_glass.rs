@@ -72,7 +72,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     scene.add_shadow("shadows", TransparentShadow::default());
 
     let camera = Camera::perspective("eye", 0.6);
-    let camera = PosedCamera::looking(camera, DVec3::new(0.6, 4.6, 8.8), DVec3::new(0.1, 0.5, 0.9));
+    let camera = CameraSnapshot::looking(camera, DVec3::new(0.6, 4.6, 8.8), DVec3::new(0.1, 0.5, 0.9));
     let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
     common::picture(&mut renderer, &scene, &camera, Exposure::Fixed(1.0), "14_letters_in_glass")
 }

@@ -131,7 +131,7 @@ fn table(name: &str, casters: &[MeshData], theirs: [f64; 2], rows: &[Row]) -> Re
     let mut timed = Vec::new();
     for (row, glass, node) in rows {
         let scene = scene(casters, *glass, node.clone())?;
-        let camera = scene.pose()?.cameras.first().ok_or("a scene has no camera")?.clone();
+        let camera = scene.snapshot()?.cameras.first().ok_or("a scene has no camera")?.clone();
         let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
         let request = FrameRequest::new(camera, SIZE_PX);
         // A refusal is an answer.

@@ -82,9 +82,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut runners = Vec::new();
     for (_, quality) in rows {
         let scene = room(quality)?;
-        let posed = scene.pose()?;
+        let snapshot = scene.snapshot()?;
         let camera =
-            posed.cameras.iter().find(|camera| camera.name == "main").ok_or("the room has no camera")?;
+            snapshot.cameras.iter().find(|camera| camera.name == "main").ok_or("the room has no camera")?;
         let request = FrameRequest::new(camera.clone(), SIZE_PX);
         runners.push(Runner { renderer: common::renderer(shadowgraph_nodes::catalog())?, scene, request });
     }

@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         if name.contains("rectangle") {
             add_rectangle(&mut scene)?;
         }
-        let camera = scene.pose()?.cameras.first().ok_or("a scene has no camera")?.clone();
+        let camera = scene.snapshot()?.cameras.first().ok_or("a scene has no camera")?.clone();
         let renderer = common::renderer(shadowgraph_nodes::catalog())?;
         runners.push(Runner { renderer, scene, request: FrameRequest::new(camera, SIZE_PX) });
     }

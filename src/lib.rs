@@ -17,7 +17,7 @@
 //!     scene.add_shadow("shadows", ShadowVolumeHard::default());
 //!
 //!     let camera = Camera::perspective("eye", 0.8);
-//!     let camera = PosedCamera::looking(camera, DVec3::new(4.0, 3.0, 5.0), DVec3::ZERO);
+//!     let camera = CameraSnapshot::looking(camera, DVec3::new(4.0, 3.0, 5.0), DVec3::ZERO);
 //!     let picture = Renderer::open()?.picture(&scene, &camera, [640, 480])?;
 //!     picture.save("out/first_picture.png")?;
 //!     Ok(())
@@ -52,8 +52,8 @@ pub mod prelude {
         Exposure, FrameRequest, PictureFormat, RenderError, RenderOptions, Renderer,
     };
     pub use shadowgraph_engine::scene::{
-        Animation, Camera, Channel, Content, Interpolation, Light, Material, MeshNode, PosedCamera, Property,
-        Scene, Scope, ShadowNode, Skin, SurfaceFunction, Track, Transform,
+        Animation, Camera, CameraSnapshot, Channel, Content, Interpolation, Light, Material, MeshNode,
+        Property, Scene, Scope, ShadowNode, Skin, SurfaceFunction, Track, Transform,
     };
     pub use shadowgraph_nodes::{
         self, Accumulate, Apply, Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes,

@@ -5,7 +5,7 @@ use std::path::Path;
 use image::{ImageError, RgbaImage};
 use shadowgraph_engine::gpu::{AdapterChoice, Gpu, GpuError};
 use shadowgraph_engine::render::{FrameRequest, RenderError, RenderOptions, Renderer};
-use shadowgraph_engine::scene::{PosedCamera, Scene};
+use shadowgraph_engine::scene::{CameraSnapshot, Scene};
 use thiserror::Error;
 
 /// The short way to a picture; [`Renderer::new`] and [`Renderer::render`] are the long one, with plans, factors and times.
@@ -24,7 +24,7 @@ pub trait Pictures: Sized {
     fn picture(
         &mut self,
         scene: &Scene,
-        camera: &PosedCamera,
+        camera: &CameraSnapshot,
         size_px: [u32; 2],
     ) -> Result<Picture, RenderError>;
 }
@@ -38,7 +38,7 @@ impl Pictures for Renderer {
     fn picture(
         &mut self,
         scene: &Scene,
-        camera: &PosedCamera,
+        camera: &CameraSnapshot,
         size_px: [u32; 2],
     ) -> Result<Picture, RenderError> {
         let request = FrameRequest::new(camera.clone(), size_px);

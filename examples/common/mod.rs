@@ -34,7 +34,7 @@ pub(crate) fn out_dir() -> Result<PathBuf, Box<dyn Error>> {
 pub(crate) fn picture(
     renderer: &mut Renderer,
     scene: &Scene,
-    camera: &PosedCamera,
+    camera: &CameraSnapshot,
     exposure: Exposure,
     name: &str,
 ) -> Result<(), Box<dyn Error>> {

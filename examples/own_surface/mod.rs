@@ -33,7 +33,7 @@ pub(crate) fn scene(surface: Option<Arc<SurfaceFunction>>) -> Result<Scene, Mesh
 }
 
 /// From where it is drawn.
-pub(crate) fn camera() -> PosedCamera {
+pub(crate) fn camera() -> CameraSnapshot {
     let camera = Camera::perspective("eye", 0.5);
-    PosedCamera::looking(camera, DVec3::new(1.9, 3.9, 7.6), DVec3::new(0.75, 1.1, 0.0))
+    CameraSnapshot::looking(camera, DVec3::new(1.9, 3.9, 7.6), DVec3::new(0.75, 1.1, 0.0))
 }

@@ -23,15 +23,15 @@
 mod chain;
 mod chains;
 mod clusters;
-mod gather;
+mod light_data;
 mod lists;
-mod marked;
-mod near;
+mod near_light_triangles;
 mod options;
 mod packed;
+mod penumbra_mask;
 mod per_receiver;
 mod sampled;
-mod sides;
+mod silhouette_culling;
 mod slices;
 mod stretched;
 mod wedge;
@@ -41,7 +41,7 @@ use shadowgraph_engine::shadow::{
     self as shadow, Contribution, LightContext, Options, PassList, ShadowError, ShadowTechnique, Traits,
 };
 
-pub use gather::layouts;
+pub use light_data::layouts;
 pub use options::{Apply, Quality, ShadowVolumeSoft};
 pub use wedge::layouts as wedge_layouts;
 

@@ -111,12 +111,13 @@ struct Lit {
 
 impl Lit {
     fn new(options: &SoftShadow, light: &LightContext<'_>, receiver: &Receiver) -> Self {
-        let posed = light.light();
+        let snapshot = light.light();
         let plane = &receiver.flat.plane;
-        let height_m = height_of(plane, posed.position).abs();
-        let nearest_m = receiver.bounds.distance(posed.position.truncate()).max(height_m);
+        let height_m = height_of(plane, snapshot.position).abs();
+        let nearest_m = receiver.bounds.distance(snapshot.position.truncate()).max(height_m);
         let size = options.light_size();
-        let points = LightPoints::new(light.cache, posed, size, options.samples, (plane.normal, nearest_m));
+        let points =
+            LightPoints::new(light.cache, snapshot, size, options.samples, (plane.normal, nearest_m));
         let heights = points.positions.iter().map(|point| height_of(plane, *point)).collect();
         Self { points, heights }
     }

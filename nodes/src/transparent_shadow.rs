@@ -40,7 +40,7 @@ use crate::ShadowVolumeHard;
 use crate::common::culling::near_plane_may_be_shadowed;
 use crate::common::extrusion::end_in_view;
 use crate::common::layer_groups::Caster;
-use crate::common::listed::Layout;
+use crate::common::ray_candidates::Layout;
 use crate::common::screen_bounds::{united, volume_pixels};
 use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
 use crate::common::volume_draws::{Volume, begin_of, falls_on_itself, float_state, upload, volume_draws};

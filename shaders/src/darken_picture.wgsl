@@ -3,7 +3,7 @@
 #import common/fullscreen
 
 // What is lost where nothing is visible, for red, green and blue.
-@group(1) @binding(0) var<storage, read> taken: vec4f;
+@group(1) @binding(0) var<storage, read> max_darkening: vec4f;
 @group(1) @binding(1) var visibility: texture_2d_array<f32>;
 
 @fragment
@@ -14,5 +14,5 @@ fn darken_by(@builtin(position) position: vec4f) -> @location(0) vec4f {
 #else
     let factor = texel.rgb;
 #endif
-    return vec4f(1.0 - taken.xyz * (1.0 - factor), 1.0);
+    return vec4f(1.0 - max_darkening.xyz * (1.0 - factor), 1.0);
 }

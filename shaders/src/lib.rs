@@ -32,7 +32,7 @@ modules![
     "common/disc_coverage",
     "common/frame",
     "common/fullscreen",
-    "common/light_lists",
+    "common/light_grid_lists",
     "common/light_samples",
     "common/lights",
     "common/material",

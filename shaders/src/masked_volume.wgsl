@@ -2,7 +2,7 @@
 // the segment from it to the light is tested exactly against the triangles that the light sees about there: does it
 // pass through one, and is the texture there where it does?
 
-#import common/light_lists
+#import common/light_grid_lists
 #import common/fullscreen
 #import common/alpha_mask
 

@@ -49,7 +49,7 @@
 // What the picture loses of a light where a factor is 0. Entry i is for light i; the next factor of the same light is
 // entry `next`, with where it is, until `next` is 0.
 struct TintedFactor {
-    taken: vec3f,
+    max_darkening: vec3f,
     next: u32,
     kind: u32,
     index: u32,
@@ -227,10 +227,10 @@ fn factor_at(kind: u32, index: u32, pixel: vec2u) -> vec3f {
 fn shadow_factor(light: Light, number: u32, pixel: vec2u) -> vec3f {
 #if TINTED
     var tint = tints[number];
-    var shown = 1.0 - tint.taken * (1.0 - factor_at(tint.kind, tint.index, pixel));
+    var shown = 1.0 - tint.max_darkening * (1.0 - factor_at(tint.kind, tint.index, pixel));
     while tint.next != 0u {
         tint = tints[tint.next];
-        shown *= 1.0 - tint.taken * (1.0 - factor_at(tint.kind, tint.index, pixel));
+        shown *= 1.0 - tint.max_darkening * (1.0 - factor_at(tint.kind, tint.index, pixel));
     }
     return shown;
 #else

@@ -1,7 +1,7 @@
 // The coloured shadow of transparent triangles that are not evenly tinted, texel by texel: as masked_volume, but every
 // triangle that the segment to the light crosses lets its own colour pass.
 
-#import common/light_lists
+#import common/light_grid_lists
 #import common/fullscreen
 #import common/transmission
 

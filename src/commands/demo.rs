@@ -36,7 +36,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     let mut rows = Vec::new();
     for (name, shows, scene) in demo::all() {
         note!("{name}: {shows}");
-        let camera = scene.pose().map_err(RenderError::from)?.cameras.into_iter().next();
+        let camera = scene.snapshot().map_err(RenderError::from)?.cameras.into_iter().next();
         let camera = camera.ok_or_else(|| Failure::Other(format!("demo scene '{name}' has no camera")))?;
         let request = FrameRequest::new(camera, args.size.0);
 

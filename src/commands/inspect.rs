@@ -9,7 +9,7 @@ use clap::Args;
 use shadowgraph::engine::gltf::{Loaded, few_digits};
 use shadowgraph::engine::plan::FramePlan;
 use shadowgraph::engine::render::{Adapter, plan_frame};
-use shadowgraph::engine::scene::{Instance, NodeKey, Posed};
+use shadowgraph::engine::scene::{Instance, NodeKey, SceneSnapshot};
 use shadowgraph::engine::shadow::{Cache, Registry};
 use shadowgraph::prelude::*;
 
@@ -44,14 +44,14 @@ const CLOSED: &str = "closed";
 pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     let mut loaded = load(&args.scene.scene, args.scene.which_scene.as_deref(), args.scene.trust)?;
     let (scene, camera) = args.scene.prepare_loaded(std::mem::take(&mut loaded.scene))?;
-    let posed = scene.pose().map_err(RenderError::from)?;
+    let snapshot = scene.snapshot().map_err(RenderError::from)?;
     let size = args.scene.size.0;
-    print_heading(&scene, &posed, &camera);
+    print_heading(&scene, &snapshot, &camera);
     print_scenes(&loaded);
     print_animations(&scene);
-    let planned = Registry::collect(&posed, &catalog()).map_err(RenderError::from).and_then(|registry| {
+    let planned = Registry::collect(&snapshot, &catalog()).map_err(RenderError::from).and_then(|registry| {
         let request = FrameRequest::new(camera.clone(), size);
-        let plan = plan_frame(&posed, &registry, &request, &Adapter::imagined(), &Cache::new())?;
+        let plan = plan_frame(&snapshot, &registry, &request, &Adapter::imagined(), &Cache::new())?;
         Ok((registry, plan))
     });
     let (registry, plan) = match planned {
@@ -59,17 +59,17 @@ pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
         Err(refused) => {
             // What was asked for and can be told is told; the error says what cannot be.
             if args.tree {
-                print_tree(&scene, &posed);
+                print_tree(&scene, &snapshot);
             }
             return Err(refused.into());
         }
     };
-    print_lights(&posed, &registry);
-    print_meshes(&posed, &registry);
-    print_wrong(&wrong(&loaded, &posed, &registry, empty_text(&posed, &camera, size)));
+    print_lights(&snapshot, &registry);
+    print_meshes(&snapshot, &registry);
+    print_wrong(&wrong(&loaded, &snapshot, &registry, empty_text(&snapshot, &camera, size)));
     print_frame(&plan);
     if args.tree {
-        print_tree(&scene, &posed);
+        print_tree(&scene, &snapshot);
     }
     if args.plan {
         out!("{plan}");
@@ -77,9 +77,9 @@ pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-fn print_tree(scene: &Scene, posed: &Posed) {
+fn print_tree(scene: &Scene, snapshot: &SceneSnapshot) {
     tree::print_nodes(scene);
-    tree::print_casters(posed);
+    tree::print_casters(snapshot);
 }
 
 /// "1 mesh", "2 meshes".
@@ -87,22 +87,22 @@ fn count(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 
-fn print_heading(scene: &Scene, posed: &Posed, camera: &PosedCamera) {
-    let triangles: usize = posed.instances.iter().map(|instance| instance.mesh.triangle_count()).sum();
+fn print_heading(scene: &Scene, snapshot: &SceneSnapshot, camera: &CameraSnapshot) {
+    let triangles: usize = snapshot.instances.iter().map(|instance| instance.mesh.triangle_count()).sum();
     out!(
         "{}, {} of {triangles} triangles, {}, {}",
         count(scene.nodes().count(), "node", "nodes"),
-        count(posed.instances.len(), "mesh", "meshes"),
-        count(posed.lights.len(), "light", "lights"),
-        count(posed.shadow_nodes.len(), "shadow node", "shadow nodes")
+        count(snapshot.instances.len(), "mesh", "meshes"),
+        count(snapshot.lights.len(), "light", "lights"),
+        count(snapshot.shadow_nodes.len(), "shadow node", "shadow nodes")
     );
-    let size = posed.world_bounds.max - posed.world_bounds.min;
-    if !posed.world_bounds.is_empty() {
+    let size = snapshot.world_bounds.max - snapshot.world_bounds.min;
+    if !snapshot.world_bounds.is_empty() {
         let [x, y, z] = size.to_array().map(few_digits);
         out!("size {x} by {y} by {z} m");
     }
     out!("seen by {}: {}", quoted(&camera.name), lens(&camera.projection));
-    let others = posed.cameras.iter().filter(|other| other.name != camera.name);
+    let others = snapshot.cameras.iter().filter(|other| other.name != camera.name);
     let others: Vec<String> = others.map(|other| quoted(&other.name)).collect();
     if !others.is_empty() {
         out!("other cameras: {}", listed(others.into_iter()));
@@ -149,9 +149,9 @@ fn print_some(lines: impl ExactSizeIterator<Item = String>) {
 }
 
 /// Every light, and what serves it.
-fn print_lights(posed: &Posed, registry: &Registry) {
+fn print_lights(snapshot: &SceneSnapshot, registry: &Registry) {
     out!("lights");
-    print_some(posed.lights.iter().zip(&registry.lights).map(|(light, claims)| {
+    print_some(snapshot.lights.iter().zip(&registry.lights).map(|(light, claims)| {
         let served = claims.iter().map(|claim| {
             let changed = claim.label.strip_prefix(claim.type_name).unwrap_or_default();
             let casters = count(claim.casters.len(), "caster", "casters");
@@ -176,14 +176,14 @@ fn print_lights(posed: &Posed, registry: &Registry) {
 }
 
 /// What casts, alike meshes together, then what does not, and what does not receive.
-fn print_meshes(posed: &Posed, registry: &Registry) {
-    let mut casts = vec![false; posed.instances.len()];
+fn print_meshes(snapshot: &SceneSnapshot, registry: &Registry) {
+    let mut casts = vec![false; snapshot.instances.len()];
     for claim in registry.lights.iter().flatten() {
         claim.casters.iter().for_each(|caster| casts[*caster] = true);
     }
     let mut groups: Vec<(String, Vec<&Instance>)> = Vec::new();
     let mut places: HashMap<(u64, String), usize> = HashMap::new();
-    for (instance, _) in posed.instances.iter().zip(&casts).filter(|(_, casts)| **casts) {
+    for (instance, _) in snapshot.instances.iter().zip(&casts).filter(|(_, casts)| **casts) {
         let text = closedness(instance);
         let place = *places.entry((instance.mesh.id(), text.clone())).or_insert_with(|| {
             groups.push((text, Vec::new()));
@@ -212,18 +212,18 @@ fn print_meshes(posed: &Posed, registry: &Registry) {
         out!("  closed: {} casters, {names}", alike.len());
     }
     let names = |wanted: &dyn Fn(usize) -> bool| -> Vec<String> {
-        let chosen = posed.instances.iter().enumerate().filter(|(index, _)| wanted(*index));
+        let chosen = snapshot.instances.iter().enumerate().filter(|(index, _)| wanted(*index));
         chosen.map(|(_, instance)| quoted(&instance.name)).collect()
     };
     let idle = names(&|index| !casts[index]);
     if !idle.is_empty() {
         out!("cast nothing: {}", listed(idle.into_iter()));
     }
-    let deaf = names(&|index| !posed.instances[index].shadow.receives);
+    let deaf = names(&|index| !snapshot.instances[index].shadow.receives);
     if deaf.is_empty() {
         out!("receivers: all");
     } else {
-        let all = posed.instances.len();
+        let all = snapshot.instances.len();
         out!("receivers: {} of {all}, all but {}", all - deaf.len(), listed(deaf.into_iter()));
     }
 }
@@ -260,21 +260,26 @@ fn closedness(instance: &Instance) -> String {
 }
 
 /// Everything a person may want to mend.
-fn wrong(loaded: &Loaded, posed: &Posed, registry: &Registry, empty: Option<String>) -> Vec<String> {
+fn wrong(
+    loaded: &Loaded,
+    snapshot: &SceneSnapshot,
+    registry: &Registry,
+    empty: Option<String>,
+) -> Vec<String> {
     let mut wrong: Vec<String> = empty.into_iter().collect();
     wrong.extend(loaded.warnings.iter().cloned());
-    for (light, claims) in posed.lights.iter().zip(&registry.lights) {
+    for (light, claims) in snapshot.lights.iter().zip(&registry.lights) {
         if !claims.is_empty() && claims.iter().all(|claim| claim.casters.is_empty()) {
             wrong.push(format!("light {} has shadow nodes, but no casters", quoted(&light.name)));
         }
     }
-    for node in &posed.shadow_nodes {
+    for node in &snapshot.shadow_nodes {
         if node.lights.is_empty() {
             wrong.push(format!("shadow node {} serves no light", quoted(&node.name)));
         }
     }
     let coloured = registry.lights.iter().flatten().any(|claim| claim.technique.traits().casts_transparent);
-    let clear = posed.instances.iter().filter(|instance| instance.shadow.casts && !instance.is_opaque());
+    let clear = snapshot.instances.iter().filter(|instance| instance.shadow.casts && !instance.is_opaque());
     let clear: Vec<String> = clear.map(|instance| quoted(&instance.name)).collect();
     if !clear.is_empty() && !coloured {
         let names = listed(clear.into_iter());

@@ -98,10 +98,9 @@ impl ReportArgs {
 }
 
 fn of_the_project(name: &str, shows: &str, scene: Scene) -> ReportScene {
-    let camera = scene
-        .pose()
-        .map_err(|error| error.to_string())
-        .and_then(|posed| posed.cameras.into_iter().next().ok_or_else(|| "it has no camera".to_owned()));
+    let camera = scene.snapshot().map_err(|error| error.to_string()).and_then(|snapshot| {
+        snapshot.cameras.into_iter().next().ok_or_else(|| "it has no camera".to_owned())
+    });
     ReportScene { name: name.into(), shows: shows.into(), scene: camera.map(|camera| (scene, camera)) }
 }
 

@@ -132,7 +132,7 @@ impl SceneArgs {
     }
 
     /// The scene with everything the arguments change, the camera, and every file that was read.
-    pub(crate) fn prepare(&self) -> Result<(Scene, PosedCamera, Vec<PathBuf>), Failure> {
+    pub(crate) fn prepare(&self) -> Result<(Scene, CameraSnapshot, Vec<PathBuf>), Failure> {
         let mut loaded = load(&self.scene, self.which_scene.as_deref(), self.trust)?;
         let files = std::mem::take(&mut loaded.files);
         let (scene, camera) = self.prepare_loaded(loaded.scene)?;
@@ -140,7 +140,7 @@ impl SceneArgs {
     }
 
     /// [`SceneArgs::prepare`] of a scene that was loaded as these arguments say.
-    pub(crate) fn prepare_loaded(&self, mut scene: Scene) -> Result<(Scene, PosedCamera), Failure> {
+    pub(crate) fn prepare_loaded(&self, mut scene: Scene) -> Result<(Scene, CameraSnapshot), Failure> {
         self.animate(&mut scene)?;
         if scene.meshes().next().is_none() && self.floor.is_none() {
             return Err(Failure::Other(format!(
@@ -149,7 +149,7 @@ impl SceneArgs {
             )));
         }
         // What is framed is the scene, not the floor put under it.
-        let mut framed_bounds = scene.pose().map_err(RenderError::from)?.world_bounds;
+        let mut framed_bounds = scene.snapshot().map_err(RenderError::from)?.world_bounds;
         if let Some(floor) = &self.floor {
             add_floor(&mut scene, floor)?;
         }
@@ -158,13 +158,13 @@ impl SceneArgs {
         }
         if !self.lights.is_empty() {
             replace_lights(&mut scene, &self.lights)?;
-        } else if scene.pose().map_err(RenderError::from)?.lights.is_empty() {
+        } else if scene.snapshot().map_err(RenderError::from)?.lights.is_empty() {
             let direction = DVec3::new(-0.5, -1.0, -0.35).normalize();
             note!("note: the scene has no light; lit by directional:{direction:.3}");
             replace_lights(&mut scene, &[LightArg::Directional { direction }])?;
         }
         if framed_bounds.is_empty() {
-            framed_bounds = scene.pose().map_err(RenderError::from)?.world_bounds;
+            framed_bounds = scene.snapshot().map_err(RenderError::from)?.world_bounds;
         }
         let camera = self.camera(&scene, &framed_bounds)?;
         Ok((scene, camera))
@@ -189,7 +189,7 @@ impl SceneArgs {
         Ok(scene.animate(animation, seconds).map_err(RenderError::from)?)
     }
 
-    fn camera(&self, scene: &Scene, framed_bounds: &Aabb) -> Result<PosedCamera, Failure> {
+    fn camera(&self, scene: &Scene, framed_bounds: &Aabb) -> Result<CameraSnapshot, Failure> {
         let fov_y_deg = self.fov_y.unwrap_or(DEFAULT_FOV_Y_DEG);
         let fov_y_rad = fov_y_deg.to_radians();
         if !(fov_y_deg > 0.0 && fov_y_deg < 180.0) {
@@ -199,24 +199,24 @@ impl SceneArgs {
             if (target - eye).try_normalize().is_none() {
                 return Err(Failure::Usage("--eye and --target are the same point".into()));
             }
-            return Ok(PosedCamera::looking(Camera::perspective("eye", fov_y_rad), eye, target));
+            return Ok(CameraSnapshot::looking(Camera::perspective("eye", fov_y_rad), eye, target));
         }
-        let posed = scene.pose().map_err(RenderError::from)?;
-        let names = || match &posed.cameras[..] {
+        let snapshot = scene.snapshot().map_err(RenderError::from)?;
+        let names = || match &snapshot.cameras[..] {
             [] => "none".to_owned(),
             all => all.iter().map(|c| format!("'{}'", c.name)).collect::<Vec<_>>().join(", "),
         };
         match &self.camera {
             Some(name) => {
-                posed.cameras.iter().find(|camera| camera.name == *name).cloned().ok_or_else(|| {
+                snapshot.cameras.iter().find(|camera| camera.name == *name).cloned().ok_or_else(|| {
                     Failure::Usage(format!("no camera is called '{name}' (there are: {})", names()))
                 })
             }
             // The field of view would be ignored without a word.
-            None if self.fov_y.is_some() && !posed.cameras.is_empty() => Err(Failure::Usage(
+            None if self.fov_y.is_some() && !snapshot.cameras.is_empty() => Err(Failure::Usage(
                 "--fov-y needs --eye and --target: the scene's own camera has a field of view".into(),
             )),
-            None => match posed.cameras.first() {
+            None => match snapshot.cameras.first() {
                 Some(first) => Ok(first.clone()),
                 None => self.framed_camera(framed_bounds, fov_y_rad),
             },
@@ -224,7 +224,7 @@ impl SceneArgs {
     }
 
     /// The camera of a scene without one, said on stderr.
-    fn framed_camera(&self, bounds: &Aabb, fov_y_rad: f64) -> Result<PosedCamera, Failure> {
+    fn framed_camera(&self, bounds: &Aabb, fov_y_rad: f64) -> Result<CameraSnapshot, Failure> {
         let camera = framed(bounds, fov_y_rad, self.size.0);
         if !(camera.projection.is_valid() && camera.world_from_view.is_finite()) {
             return Err(Failure::Other(
@@ -238,7 +238,7 @@ impl SceneArgs {
 }
 
 /// A camera from the front, a little above and beside, that has everything in view.
-pub(crate) fn framed(bounds: &Aabb, fov_y_rad: f64, size_px: [u32; 2]) -> PosedCamera {
+pub(crate) fn framed(bounds: &Aabb, fov_y_rad: f64, size_px: [u32; 2]) -> CameraSnapshot {
     let aspect = f64::from(size_px[0]) / f64::from(size_px[1]);
     let half_angle = (fov_y_rad * 0.5).min(((fov_y_rad * 0.5).tan() * aspect).atan());
     let radius_m = bounds.radius().max(1e-9);
@@ -246,7 +246,7 @@ pub(crate) fn framed(bounds: &Aabb, fov_y_rad: f64, size_px: [u32; 2]) -> PosedC
     let target = bounds.center();
     let eye = target + DVec3::new(0.45, 0.4, 1.0).normalize() * distance_m;
     let near_m = (distance_m * 0.01).min(0.1);
-    PosedCamera {
+    CameraSnapshot {
         key: None,
         name: "framed".into(),
         world_from_view: look_at(eye, target),
@@ -289,7 +289,7 @@ fn replace_shadows(scene: &mut Scene, technique: &TechniqueArg) -> Result<(), Fa
     let made = (entry.from_params)(&technique.params).map_err(|error| Failure::Usage(error.to_string()))?;
     let mut node = ShadowNode::new(entry.type_name);
     node.params = technique.params.clone();
-    node.receivers = receivers_for(&scene.pose().map_err(RenderError::from)?, made.as_ref());
+    node.receivers = receivers_for(&scene.snapshot().map_err(RenderError::from)?, made.as_ref());
     scene.add_shadow(entry.short_name, node);
     Ok(())
 }
@@ -297,7 +297,7 @@ fn replace_shadows(scene: &mut Scene, technique: &TechniqueArg) -> Result<(), Fa
 /// Takes the scene's lights out and puts `lights` in: white, each as bright as the others at the scene's middle.
 fn replace_lights(scene: &mut Scene, lights: &[LightArg]) -> Result<(), Failure> {
     clear_contents(scene, |content| matches!(content, Content::Light(_)));
-    let bounds = scene.pose().map_err(RenderError::from)?.world_bounds;
+    let bounds = scene.snapshot().map_err(RenderError::from)?.world_bounds;
     let candela = |position: DVec3| {
         let distance_m = position.distance(bounds.center()).max(bounds.radius() * 0.5).max(1e-9);
         (3.0 * distance_m * distance_m) as f32

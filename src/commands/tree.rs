@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use shadowgraph::engine::gltf::few_digits;
-use shadowgraph::engine::scene::{NodeKey, ParamValue, Params, Posed};
+use shadowgraph::engine::scene::{NodeKey, ParamValue, Params, SceneSnapshot};
 use shadowgraph::prelude::*;
 
 use super::output::out;
@@ -144,10 +144,10 @@ fn bending(scene: &Scene, content: &MeshNode, mesh: &Mesh) -> String {
 }
 
 /// Every mesh in the scene, with all that is known of how closed it is.
-pub(crate) fn print_casters(posed: &Posed) {
+pub(crate) fn print_casters(snapshot: &SceneSnapshot) {
     out!("casters");
     let mut seen: HashMap<u64, bool> = HashMap::new();
-    for instance in &posed.instances {
+    for instance in &snapshot.instances {
         let closedness = instance.mesh.topology().closedness();
         let solid = *seen
             .entry(instance.pose_key)

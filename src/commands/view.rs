@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use shadowgraph::engine::math::Projection;
-use shadowgraph::engine::scene::Posed;
+use shadowgraph::engine::scene::SceneSnapshot;
 use shadowgraph::prelude::*;
 
 use super::Failure;
@@ -18,20 +18,24 @@ pub(crate) enum Empty {
 }
 
 /// Says on stderr if nothing will be seen.
-pub(crate) fn note_empty(scene: &Scene, camera: &PosedCamera, size_px: [u32; 2]) -> Result<(), Failure> {
-    let posed = scene.pose().map_err(RenderError::from)?;
-    if let Some(text) = empty_text(&posed, camera, size_px) {
+pub(crate) fn note_empty(scene: &Scene, camera: &CameraSnapshot, size_px: [u32; 2]) -> Result<(), Failure> {
+    let snapshot = scene.snapshot().map_err(RenderError::from)?;
+    if let Some(text) = empty_text(&snapshot, camera, size_px) {
         note!("note: {text}");
     }
     Ok(())
 }
 
 /// What is to be said of a view in which nothing is.
-pub(crate) fn empty_text(posed: &Posed, camera: &PosedCamera, size_px: [u32; 2]) -> Option<String> {
+pub(crate) fn empty_text(
+    snapshot: &SceneSnapshot,
+    camera: &CameraSnapshot,
+    size_px: [u32; 2],
+) -> Option<String> {
     let (Projection::Perspective { near_m, .. } | Projection::Orthographic { near_m, .. }) =
         camera.projection;
     let near = shadowgraph::engine::gltf::few_digits(near_m);
-    match empty(posed, camera, size_px)? {
+    match empty(snapshot, camera, size_px)? {
         Empty::TooNear => Some(format!(
             "nothing is seen: all that is before camera '{}' is nearer than its near plane ({near} m)",
             camera.name
@@ -41,10 +45,10 @@ pub(crate) fn empty_text(posed: &Posed, camera: &PosedCamera, size_px: [u32; 2])
 }
 
 /// `None` as soon as one triangle may be seen.
-fn empty(posed: &Posed, camera: &PosedCamera, size_px: [u32; 2]) -> Option<Empty> {
+fn empty(snapshot: &SceneSnapshot, camera: &CameraSnapshot, size_px: [u32; 2]) -> Option<Empty> {
     let view = View::new(camera, size_px);
     let mut anything_near = false;
-    for instance in posed.instances.iter().filter(|instance| instance.mesh.triangle_count() > 0) {
+    for instance in snapshot.instances.iter().filter(|instance| instance.mesh.triangle_count() > 0) {
         let bounds = &instance.world_bounds;
         let corner = |i: usize| {
             let pick = |axis: usize| if i >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] };
@@ -82,7 +86,7 @@ struct View {
 }
 
 impl View {
-    fn new(camera: &PosedCamera, size_px: [u32; 2]) -> Self {
+    fn new(camera: &CameraSnapshot, size_px: [u32; 2]) -> Self {
         let aspect = f64::from(size_px[0]) / f64::from(size_px[1]);
         Self { view_from_world: camera.world_from_view.inverse(), projection: camera.projection, aspect }
     }

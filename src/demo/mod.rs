@@ -45,31 +45,33 @@ mod tests {
     #[test]
     fn every_demo_scene_poses_and_has_what_a_picture_needs() {
         for (stem, shows, scene) in super::all() {
-            let posed = scene.pose().expect("demo scenes pose");
-            let triangles: usize = posed.instances.iter().map(|i| i.mesh.triangle_count()).sum();
+            let snapshot = scene.snapshot().expect("demo scenes pose");
+            let triangles: usize = snapshot.instances.iter().map(|i| i.mesh.triangle_count()).sum();
             assert!(!shows.is_empty() && (1_000..60_000).contains(&triangles), "{stem}: {triangles}");
-            let camera = posed.cameras.iter().find(|camera| camera.name == "main").expect("a camera 'main'");
+            let camera =
+                snapshot.cameras.iter().find(|camera| camera.name == "main").expect("a camera 'main'");
             let frustum = camera.frustum([1280, 720]);
             assert!(
-                posed.instances.iter().filter(|i| frustum.may_see(&i.world_bounds)).count() > 4,
+                snapshot.instances.iter().filter(|i| frustum.may_see(&i.world_bounds)).count() > 4,
                 "{stem}"
             );
             // Every light is shadowed by exactly one node, so that no caster is claimed twice.
-            for light in 0..posed.lights.len() {
-                let claims = posed.shadow_nodes.iter().filter(|node| node.lights.contains(&light)).count();
-                assert_eq!(claims, 1, "{stem}: {}", posed.lights[light].name);
+            for light in 0..snapshot.lights.len() {
+                let claims = snapshot.shadow_nodes.iter().filter(|node| node.lights.contains(&light)).count();
+                assert_eq!(claims, 1, "{stem}: {}", snapshot.lights[light].name);
             }
-            assert!(posed.shadow_nodes.iter().all(|node| node.shadow.technique == "ShadowVolumeHard"));
+            assert!(snapshot.shadow_nodes.iter().all(|node| node.shadow.technique == "ShadowVolumeHard"));
         }
     }
 
     #[test]
     fn the_room_has_lights_of_every_kind_and_two_scopes() {
-        let posed = super::room::room().pose().expect("the room poses");
-        let has = |wanted: fn(&LightKind) -> bool| posed.lights.iter().any(|light| wanted(&light.light.kind));
+        let snapshot = super::room::room().snapshot().expect("the room poses");
+        let has =
+            |wanted: fn(&LightKind) -> bool| snapshot.lights.iter().any(|light| wanted(&light.light.kind));
         assert!(has(|k| *k == LightKind::Directional) && has(|k| *k == LightKind::Point));
-        assert!(has(|k| matches!(k, LightKind::Spot { .. })) && posed.lights.len() >= 4);
-        assert_eq!(posed.shadow_nodes.len(), 2);
-        assert!(posed.shadow_nodes[0].casters.len() > posed.shadow_nodes[1].casters.len());
+        assert!(has(|k| matches!(k, LightKind::Spot { .. })) && snapshot.lights.len() >= 4);
+        assert_eq!(snapshot.shadow_nodes.len(), 2);
+        assert!(snapshot.shadow_nodes[0].casters.len() > snapshot.shadow_nodes[1].casters.len());
     }
 }

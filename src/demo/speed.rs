@@ -68,9 +68,9 @@ mod tests {
         let triangles = |name: &str| {
             let (_, _, scene) =
                 super::speed().into_iter().find(|(stem, ..)| *stem == name).expect("it is there");
-            let posed = scene.pose().expect("speed scenes pose");
-            assert_eq!((posed.lights.len(), posed.cameras.len()), (1, 1));
-            let casters = posed.instances.iter().filter(|instance| instance.shadow.casts);
+            let snapshot = scene.snapshot().expect("speed scenes pose");
+            assert_eq!((snapshot.lights.len(), snapshot.cameras.len()), (1, 1));
+            let casters = snapshot.instances.iter().filter(|instance| instance.shadow.casts);
             casters.map(|instance| instance.mesh.triangle_count()).sum::<usize>()
         };
         assert_eq!(triangles("knot13k"), 13_056);

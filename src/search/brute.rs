@@ -7,7 +7,7 @@
 use glam::{DVec3, DVec4};
 use shadowgraph_engine::math::facing_sign;
 use shadowgraph_engine::render::FrameRequest;
-use shadowgraph_engine::scene::{Posed, PosedCamera, PosedLight};
+use shadowgraph_engine::scene::{CameraSnapshot, LightSnapshot, SceneSnapshot};
 
 use shadowgraph_measure::{Evaluation, LightQuery, LightReference};
 
@@ -40,7 +40,7 @@ enum Way {
     Touched,
 }
 
-/// The triangles of a posed scene, one after the other.
+/// The triangles of a scene's snapshot, one after the other.
 #[derive(Clone, Debug)]
 pub struct Brute {
     blockers: Vec<Blocker>,
@@ -57,10 +57,10 @@ pub struct Disagreement {
 }
 
 impl Brute {
-    /// The triangles of `posed`; `None` where some have holes or a coloured picture, which it does not know.
-    pub fn new(posed: &Posed) -> Option<Self> {
+    /// The triangles of `snapshot`; `None` where some have holes or a coloured picture, which it does not know.
+    pub fn new(snapshot: &SceneSnapshot) -> Option<Self> {
         let mut blockers = Vec::new();
-        for (instance, placed) in posed.instances.iter().enumerate() {
+        for (instance, placed) in snapshot.instances.iter().enumerate() {
             for triangle in 0..placed.mesh.triangle_count() {
                 let material = placed.material_of(triangle);
                 if material.cutoff().is_some() || material.base_color_texture.is_some() {
@@ -76,7 +76,7 @@ impl Brute {
                 blockers.push(Blocker { instance, corners, passes, is_opaque });
             }
         }
-        let bounds = posed.world_bounds;
+        let bounds = snapshot.world_bounds;
         let farthest_m = bounds.min.abs().max(bounds.max.abs()).max_element();
         // Far from the origin, places themselves are rounded.
         let in_plane_m = IN_PLANE * bounds.radius().min(10.0) + farthest_m * 1e-14;
@@ -89,7 +89,7 @@ impl Brute {
         point: DVec3,
         receiver: &[DVec3; 3],
         eye: DVec4,
-        light: &PosedLight,
+        light: &LightSnapshot,
         query: &LightQuery,
     ) -> Option<DVec3> {
         let [a, b, c] = *receiver;
@@ -157,13 +157,13 @@ impl Brute {
     /// How one light of an evaluation fares; `query` says what casts, all of it as if the light had no size.
     pub fn compare(
         &self,
-        posed: &Posed,
+        snapshot: &SceneSnapshot,
         request: &FrameRequest,
         evaluation: &Evaluation,
         (place, query): (usize, &LightQuery),
     ) -> Disagreement {
         let reference = &evaluation.reference.lights[place];
-        let light = &posed.lights[query.light];
+        let light = &snapshot.lights[query.light];
         let Some((_, measured)) = evaluation.measured.lights.iter().find(|(name, _)| *name == reference.name)
         else {
             return Disagreement::default();
@@ -171,7 +171,7 @@ impl Brute {
         let mut found = Disagreement::default();
         let width = request.size_px[0] as usize;
         for (pixel, id) in evaluation.measured.ids.iter().enumerate() {
-            let instance = posed.instances.get(id[0] as usize);
+            let instance = snapshot.instances.get(id[0] as usize);
             if !reference.compared[pixel] || !instance.is_some_and(|instance| instance.shadow.receives) {
                 continue;
             }
@@ -237,7 +237,7 @@ fn channels(values: &[f32], pixels: usize, pixel: usize) -> DVec3 {
 /// Where the ray through a place of the picture meets the triangle's plane, moved along it by a share of its length; and the
 /// eye.
 fn on_triangle(
-    camera: &PosedCamera,
+    camera: &CameraSnapshot,
     size_px: [u32; 2],
     place: [f64; 2],
     corners: &[DVec3; 3],

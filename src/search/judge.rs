@@ -10,7 +10,7 @@ use std::sync::Arc;
 use shadowgraph_engine::gltf;
 use shadowgraph_engine::gpu::GpuError;
 use shadowgraph_engine::render::{FrameError, FrameRequest, RenderError, Renderer};
-use shadowgraph_engine::scene::{ParamValue, Posed, PosedLight, Scene};
+use shadowgraph_engine::scene::{LightSnapshot, ParamValue, Scene, SceneSnapshot};
 use shadowgraph_engine::shadow::{Catalog, Claim, Registry, ShadowError, ShadowTechnique};
 
 use super::{Brute, Recipe, RecipeError};
@@ -177,8 +177,8 @@ impl Judge {
 
     /// Judges a scene through its first camera.
     fn judge_scene(&mut self, scene: &Scene, size_px: [u32; 2]) -> Result<Verdict, Problem> {
-        let (posed, registry) = self.renderer.posed(scene)?;
-        let Some(camera) = posed.cameras.first() else { return Ok(Verdict::Empty) };
+        let (snapshot, registry) = self.renderer.snapshot(scene)?;
+        let Some(camera) = snapshot.cameras.first() else { return Ok(Verdict::Empty) };
         let request = FrameRequest::new(camera.clone(), size_px);
         let mut references = KnownReferences::with_samples(WHOLE_LIGHT_SAMPLES);
         let evaluation =
@@ -187,11 +187,11 @@ impl Judge {
                 evaluation => evaluation?,
             };
         let mut failures: Vec<Failure> = Vec::new();
-        let owed = |name: &str| owed_for(&posed, &registry, name);
+        let owed = |name: &str| owed_for(&snapshot, &registry, name);
         for error in &evaluation.errors {
             failures.extend(complaint(error, owed(&error.name), None));
         }
-        failures.extend(against_brute_force(&posed, &request, &evaluation, &owed));
+        failures.extend(against_brute_force(&snapshot, &request, &evaluation, &owed));
         failures.extend(self.layer_failures(scene, &request, evaluation.frame.plan.layers, &owed)?);
         if let Some(kind) = failures.iter().map(|failure| failure.kind).min() {
             let pixels = failures.iter().filter(|f| f.kind == kind).map(|f| f.pixels).max().unwrap_or(0);
@@ -248,10 +248,10 @@ fn of_error(error: &EvaluateError) -> Verdict {
 }
 
 /// The least that the techniques of a light owe.
-fn owed_for(posed: &Posed, registry: &Registry, light: &str) -> Owed {
-    let place = posed.lights.iter().position(|posed| posed.name == light);
+fn owed_for(snapshot: &SceneSnapshot, registry: &Registry, light: &str) -> Owed {
+    let place = snapshot.lights.iter().position(|snapshot| snapshot.name == light);
     let claims = place.map_or(&[][..], |place| &registry.lights[place]);
-    let light = place.map(|place| &posed.lights[place]);
+    let light = place.map(|place| &snapshot.lights[place]);
     let of = |claim: &Claim| light.map_or(Owed::Drawn, |light| owed(&claim.technique, light));
     claims.iter().map(of).fold(Owed::Exact, looser)
 }
@@ -266,7 +266,7 @@ fn looser(a: Owed, b: Owed) -> Owed {
 }
 
 /// What a technique with its options owes for a light.
-pub fn owed(technique: &Arc<dyn ShadowTechnique>, light: &PosedLight) -> Owed {
+pub fn owed(technique: &Arc<dyn ShadowTechnique>, light: &LightSnapshot) -> Owed {
     let params = technique.params();
     let is = |option: &str, value: &str| matches!(params.get(option), Some(ParamValue::Text(text)) if text == value);
     let is_wide = technique.traits().light_size.is_wide(light.position);
@@ -345,15 +345,15 @@ fn line(error: &LightError) -> String {
 
 /// What brute force says about lights whose shadows are hard and exact.
 fn against_brute_force(
-    posed: &Posed,
+    snapshot: &SceneSnapshot,
     request: &FrameRequest,
     evaluation: &Evaluation,
     owed: &dyn Fn(&str) -> Owed,
 ) -> Vec<Failure> {
-    let Some(brute) = Brute::new(posed) else { return Vec::new() };
+    let Some(brute) = Brute::new(snapshot) else { return Vec::new() };
     let mut failures = Vec::new();
     for (place, query) in evaluation.queries.iter().enumerate() {
-        let light = &posed.lights[query.light];
+        let light = &snapshot.lights[query.light];
         // Sized parts of lights that have none here are hard.
         let is_hard = query.sized.iter().all(|part| !part.size.is_wide(light.position));
         if !is_hard || owed(&light.name) != Owed::Exact {
@@ -362,7 +362,7 @@ fn against_brute_force(
         let mut query = query.clone();
         query.casters.extend(query.sized.drain(..).flat_map(|part| part.casters));
         query.casters.sort_unstable();
-        let found = brute.compare(posed, request, evaluation, (place, &query));
+        let found = brute.compare(snapshot, request, evaluation, (place, &query));
         let name = &light.name;
         if found.reference > 0 {
             let text = format!("{name}: brute force contradicts the reference in {} pixels", found.reference);

@@ -308,7 +308,7 @@ impl Recipe {
             }
             // An unknown type or option is for the frame to refuse.
             if let Ok((_, technique)) = catalog.technique("", &node) {
-                node.receivers = receivers_for(&scene.pose()?, technique.as_ref());
+                node.receivers = receivers_for(&scene.snapshot()?, technique.as_ref());
             }
             scene.add_shadow(&format!("shadows{index}"), node);
         }

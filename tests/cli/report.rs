@@ -40,7 +40,7 @@ const TINY: Effort = Effort {
 };
 
 /// A floor that casts nothing, a disc over it, and whatever else is to cast.
-fn disc_scene(others: &[MeshData]) -> Result<(Scene, PosedCamera), String> {
+fn disc_scene(others: &[MeshData]) -> Result<(Scene, CameraSnapshot), String> {
     let mut scene = Scene::new();
     let floor = Mesh::new(shapes::plane(Vec2::splat(4.0)).named("floor")).unwrap();
     let floor = scene.add_mesh(floor, Material::default(), DAffine3::IDENTITY);
@@ -53,10 +53,10 @@ fn disc_scene(others: &[MeshData]) -> Result<(Scene, PosedCamera), String> {
     }
     scene.add_light(Light::point("lamp", 40.0), DVec3::new(-1.0, 4.5, 1.5), DVec3::ZERO);
     let eye = Camera::perspective("eye", 0.8);
-    Ok((scene, PosedCamera::looking(eye, DVec3::new(2.0, 3.0, 5.0), DVec3::ZERO)))
+    Ok((scene, CameraSnapshot::looking(eye, DVec3::new(2.0, 3.0, 5.0), DVec3::ZERO)))
 }
 
-fn named(name: &str, scene: Result<(Scene, PosedCamera), String>) -> ReportScene {
+fn named(name: &str, scene: Result<(Scene, CameraSnapshot), String>) -> ReportScene {
     ReportScene { name: name.into(), shows: "a scene of the tests".into(), scene }
 }
 

@@ -32,7 +32,7 @@ fn lit_fox() -> Option<Scene> {
 fn request(size_px: [u32; 2]) -> FrameRequest {
     let camera = Camera::perspective("eye", 0.8);
     FrameRequest::new(
-        PosedCamera::looking(camera, DVec3::new(150.0, 130.0, 210.0), DVec3::new(0.0, 30.0, 0.0)),
+        CameraSnapshot::looking(camera, DVec3::new(150.0, 130.0, 210.0), DVec3::new(0.0, 30.0, 0.0)),
         size_px,
     )
 }
@@ -53,7 +53,7 @@ fn the_fox_casts_exactly_at_every_time() {
             assert!(error.passes() && error.wrong_outside_band == 0, "{name} at {seconds} s: {error:?}");
             assert!(error.shadow_pixels > 5_000 && error.shadow_pixels < error.compared, "{error:?}");
         }
-        keys.insert(scene.pose().unwrap().instances[0].pose_key);
+        keys.insert(scene.snapshot().unwrap().instances[0].pose_key);
     }
     assert_eq!(keys.len(), 5, "five times are five poses");
 }
@@ -157,17 +157,17 @@ fn light_thousand(scene: &mut Scene) {
 
 fn request_thousand(size_px: [u32; 2]) -> FrameRequest {
     let camera = Camera::perspective("eye", 0.8);
-    let camera = PosedCamera::looking(camera, DVec3::new(3.6, 4.4, 6.0), DVec3::Y);
+    let camera = CameraSnapshot::looking(camera, DVec3::new(3.6, 4.4, 6.0), DVec3::Y);
     FrameRequest::new(camera, size_px)
 }
 
 #[test]
 fn a_thousand_instances_cast_exactly() {
     let mut scene = thousand();
-    let posed = scene.pose().unwrap();
-    assert_eq!(posed.instances.len(), 1000);
+    let snapshot = scene.snapshot().unwrap();
+    assert_eq!(snapshot.instances.len(), 1000);
     assert_eq!(scene.meshes().count(), 1);
-    assert_eq!(posed.instances[314].name, "box[314]");
+    assert_eq!(snapshot.instances[314].name, "box[314]");
     let Some(mut renderer) = shadowgraph_testing::renderer() else { return };
     light_thousand(&mut scene);
     let request = request_thousand([1280, 720]);

@@ -39,7 +39,7 @@ fn grid(lights: usize, shadowed: bool) -> Scene {
 
 /// Under the bars: only the floor is in view.
 fn under_the_bars(antialias: Antialias) -> FrameRequest {
-    let eye = PosedCamera::looking(
+    let eye = CameraSnapshot::looking(
         Camera::perspective("eye", 0.7),
         DVec3::new(0.3, 6.0, 3.0),
         DVec3::new(0.0, 0.0, 0.2),
@@ -110,12 +110,12 @@ fn the_picture_shows_the_mean_factor_of_its_samples() {
 fn edge_errors(
     renderer: &mut Renderer,
     scene: &Scene,
-    camera: &PosedCamera,
+    camera: &CameraSnapshot,
     size_px: [u32; 2],
 ) -> [(Antialias, f64); 3] {
-    let (posed, registry) = renderer.posed(scene).unwrap();
+    let (snapshot, registry) = renderer.snapshot(scene).unwrap();
     let truth =
-        Reference::new(&posed).render_supersampled(camera, size_px, &queries(&registry), &|_, _| {}, 8);
+        Reference::new(&snapshot).render_supersampled(camera, size_px, &queries(&registry), &|_, _| {}, 8);
     let truth = &truth.lights[0].1;
     let edges: Vec<usize> = (0..truth.len()).filter(|i| truth[*i] > 0.0 && truth[*i] < 1.0).collect();
     assert!(edges.len() > 100, "{} pixels on edges", edges.len());
@@ -144,7 +144,7 @@ fn smoothed_shadow_edges_are_nearer_to_the_truth() {
     scene.add_light(Light::point("lamp", 40.0), DVec3::new(-1.5, 4.0, 1.0), DVec3::ZERO);
     scene.add_shadow("shadows", ShadowVolumeHard::default());
     let eye = Camera::perspective("eye", 0.8);
-    let eye = PosedCamera::looking(eye, DVec3::new(3.0, 4.0, 6.0), DVec3::new(0.0, 0.5, 0.0));
+    let eye = CameraSnapshot::looking(eye, DVec3::new(3.0, 4.0, 6.0), DVec3::new(0.0, 0.5, 0.0));
     let errors = edge_errors(&mut renderer, &scene, &eye, SIZE_PX);
     println!("{errors:?}");
     let [(_, none), (_, four), (_, twice)] = errors;
@@ -173,7 +173,7 @@ fn what_antialiasing_costs_and_gains_on_the_speed_scenes() {
         scene.add_light(Light::point("lamp", 100.0), DVec3::new(3.0, 6.5, 2.0), DVec3::ZERO);
         scene.add_shadow("shadows", ShadowVolumeHard::default());
         let camera = Camera::perspective("eye", 45_f64.to_radians());
-        let camera = PosedCamera::looking(camera, eye, target);
+        let camera = CameraSnapshot::looking(camera, eye, target);
         let size_px = [1280, 720];
         let ways = [Antialias::None, Antialias::Multisample4, Antialias::Supersample4];
         let mut times_ms = [const { Vec::new() }; 3];

@@ -27,8 +27,8 @@ fn request(case: &Case) -> FrameRequest {
 
 /// The case's reference picture, for its ambiguity band.
 fn reference(renderer: &mut Renderer, case: &Case) -> ReferenceImage {
-    let (posed, registry) = renderer.posed(&case.scene).unwrap();
-    Reference::new(&posed).render(&case.camera, case.size_px, &queries(&registry), &|_, _| {})
+    let (snapshot, registry) = renderer.snapshot(&case.scene).unwrap();
+    Reference::new(&snapshot).render(&case.camera, case.size_px, &queries(&registry), &|_, _| {})
 }
 
 /// The case's scene with its shadow node's options replaced.
@@ -187,7 +187,7 @@ fn draw_order_does_not_matter() {
         for root in case.scene.roots().iter().rev() {
             reversed.reparent(*root, None).unwrap();
         }
-        let last = renderer.posed(&reversed).unwrap().0.instances.len() as u32 - 1;
+        let last = renderer.snapshot(&reversed).unwrap().0.instances.len() as u32 - 1;
         let other = shadowgraph_testing::measure(&mut renderer, &reversed, &request(case)).unwrap();
         let count = differing(&first, &other, &reference, |[instance, triangle]| {
             [last.wrapping_sub(instance), triangle]

@@ -198,14 +198,14 @@ fn a_frame_that_fails_leaves_nothing_that_counts_as_drawn() {
     // The scene's own shader does not compile on the device, after the passes of the kept textures were recorded.
     let request = shadowgraph_testing::request();
     let plan = renderer.plan(&yard(&[(1, 8)]), &request).unwrap();
-    let (posed, _) = renderer.posed(&yard(&[(1, 8)])).unwrap();
+    let (snapshot, _) = renderer.snapshot(&yard(&[(1, 8)])).unwrap();
     let mut broken = plan.clone();
     let last = broken.passes.iter_mut().rfind(|pass| pass.name.starts_with("apply")).unwrap();
     let plan::Geometry::Procedural { shader, .. } = &mut last.draws[0].geometry else { panic!("{broken}") };
     shader.source = "fn nothing".into();
     let mut executor = shadowgraph::engine::gpu::Executor::new(renderer.gpu().clone());
     let inputs = shadowgraph::engine::gpu::FrameInputs {
-        posed: &posed,
+        snapshot: &snapshot,
         camera: &request.camera,
         exposure: 1.0,
         tone_map: true,

@@ -99,7 +99,7 @@ fn panes_over_floor(panes: &[(MeshData, Material)], floor: Material, node: &str)
 fn from_above(size_px: [u32; 2]) -> FrameRequest {
     // x runs to the right.
     let eye = DVec3::new(0.0, 6.0, 0.4);
-    let camera = PosedCamera::looking(Camera::perspective("eye", 0.6), eye, DVec3::ZERO);
+    let camera = CameraSnapshot::looking(Camera::perspective("eye", 0.6), eye, DVec3::ZERO);
     FrameRequest::new(camera, size_px)
 }
 
@@ -120,7 +120,7 @@ fn judged(renderer: &mut Renderer, scene: &Scene, request: &FrameRequest) -> Vec
 /// The pixels at which the reference sees a surface on this layer.
 fn surfaces_on(scene: &Scene, request: &FrameRequest, layer: u32) -> usize {
     let FrameRequest { camera, size_px, antialias, .. } = request;
-    let reference = Reference::new(&scene.pose().unwrap());
+    let reference = Reference::new(&scene.snapshot().unwrap());
     let images = reference.render_layers(camera, *size_px, *antialias, &[], layer..layer + 1, &|_, _| {});
     images[0].hits.iter().flatten().count()
 }
@@ -238,7 +238,7 @@ fn only_opaque_surfaces_have_a_horizon() {
         let mut scene = panes_over_floor(&[], Material::default(), "ShadowVolumeHard");
         let material = Material { alpha_mode, ..blended(Vec3::X, 0.5) };
         scene.add_mesh(shadowgraph_testing::mesh(pane(3.0)), material, DAffine3::IDENTITY);
-        let reference = Reference::new(&scene.pose().unwrap());
+        let reference = Reference::new(&scene.snapshot().unwrap());
         let nothing = |_: usize, _: usize| {};
         let opaque = reference.render(camera, request.size_px, &query, &nothing);
         let layers =

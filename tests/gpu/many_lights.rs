@@ -75,7 +75,7 @@ fn scene_under<'a>(lamps: impl IntoIterator<Item = &'a Lamp>) -> Scene {
 /// A frame of linear radiance with its factors.
 fn frame_of(renderer: &mut Renderer, scene: &Scene) -> Frame {
     let camera = Camera::perspective("eye", 0.8);
-    let camera = PosedCamera::looking(camera, DVec3::new(2.0, 3.0, 5.0), DVec3::new(0.0, 0.4, 0.2));
+    let camera = CameraSnapshot::looking(camera, DVec3::new(2.0, 3.0, 5.0), DVec3::new(0.0, 0.4, 0.2));
     let mut request = FrameRequest::new(camera, SIZE_PX);
     request.picture = PictureFormat::LinearF32;
     request.factors = true;

@@ -42,7 +42,7 @@ impl Floor {
     fn radiance(mut self, renderer: &mut Renderer) -> Vec3 {
         self.scene.add_mesh(shadowgraph_testing::mesh(self.data), self.material, DAffine3::IDENTITY);
         let camera = Camera::perspective("eye", 0.3);
-        let camera = PosedCamera::looking(camera, DVec3::new(0.0, 4.0, 0.0), DVec3::ZERO);
+        let camera = CameraSnapshot::looking(camera, DVec3::new(0.0, 4.0, 0.0), DVec3::ZERO);
         let mut request = FrameRequest::new(camera, SIZE_PX);
         request.picture = PictureFormat::LinearF32;
         let exposure = Exposure::Fixed(1.0);

@@ -43,7 +43,7 @@ fn model_scene(folder: &std::path::Path, name: &str) -> Scene {
 /// A request for the picture from `eye` towards `target`.
 fn request(eye: DVec3, target: DVec3) -> FrameRequest {
     let camera = Camera::perspective("eye", 45_f64.to_radians());
-    FrameRequest::new(PosedCamera::looking(camera, eye, target), SIZE_PX)
+    FrameRequest::new(CameraSnapshot::looking(camera, eye, target), SIZE_PX)
 }
 
 /// The horizontal direction in which shadows of things at the origin fall.
@@ -143,8 +143,8 @@ fn models_cast_exact_shadows_under_every_light_and_depth_test() {
             all.add_light(light, position, LIT_POINT);
         }
         all.add_shadow("shadows", ShadowVolumeHard::default());
-        let (posed, registry) = renderer.posed(&all).unwrap();
-        let reference = Reference::new(&posed);
+        let (snapshot, registry) = renderer.snapshot(&all).unwrap();
+        let reference = Reference::new(&snapshot);
         let queries = queries(&registry);
         let outside = request(DVec3::new(3.2, 3.6, 6.2), DVec3::new(0.0, 0.9, 0.0));
         let seen_from_outside = reference.render(&outside.camera, SIZE_PX, &queries, &|_, _| {});
@@ -157,7 +157,7 @@ fn models_cast_exact_shadows_under_every_light_and_depth_test() {
             run(&mut renderer, &scene, &format!("{name} outside"), &outside, &image, &mut failures);
 
             // From within the shadow, looking out of it past its edge.
-            let light = posed.lights[index].position;
+            let light = snapshot.lights[index].position;
             let eye = eye_in_shadow(&reference, &queries[index], light);
             let inside = request(eye, DVec3::new(eye.x, 0.0, eye.z) + away_from(light) * 0.7);
             let image = reference.render(&inside.camera, SIZE_PX, &queries[index..=index], &|_, _| {});

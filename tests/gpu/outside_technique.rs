@@ -51,8 +51,8 @@ fn lamp(scene: &mut Scene) -> NodeKey {
     scene.add_light(Light::point("lamp", 40.0), DVec3::new(-2.0, 4.5, 2.5), DVec3::ZERO)
 }
 
-fn eye(position: DVec3) -> PosedCamera {
-    PosedCamera::looking(Camera::perspective("eye", 0.8), position, DVec3::new(0.0, 0.6, 0.0))
+fn eye(position: DVec3) -> CameraSnapshot {
+    CameraSnapshot::looking(Camera::perspective("eye", 0.8), position, DVec3::new(0.0, 0.6, 0.0))
 }
 
 fn request() -> FrameRequest {
@@ -65,9 +65,9 @@ fn renderer() -> Option<Renderer> {
 
 /// The frame plan, without a device.
 fn plan_of(scene: &Scene) -> Result<FramePlan, FrameError> {
-    let posed = scene.pose().unwrap();
-    let registry = Registry::collect(&posed, &catalog())?;
-    plan_frame(&posed, &registry, &request(), &Adapter::imagined(), &Cache::new())
+    let snapshot = scene.snapshot().unwrap();
+    let registry = Registry::collect(&snapshot, &catalog())?;
+    plan_frame(&snapshot, &registry, &request(), &Adapter::imagined(), &Cache::new())
 }
 
 fn format_of(plan: &FramePlan, name: &str) -> Option<TextureFormat> {
@@ -83,7 +83,7 @@ fn factors(renderer: &mut Renderer, scene: &Scene) -> Vec<(String, Vec<f32>)> {
 }
 
 fn refusal(scene: &Scene) -> ShadowError {
-    Registry::collect(&scene.pose().unwrap(), &catalog()).unwrap_err()
+    Registry::collect(&scene.snapshot().unwrap(), &catalog()).unwrap_err()
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn wrong_pixels_are_only_those_its_known_error_declares() {
         eye(DVec3::new(-3.0, 0.5, -3.0)),
         eye(DVec3::new(0.5, 0.15, 5.0)),
     ];
-    eyes.push(PosedCamera { projection: flat, ..eyes[0].clone() });
+    eyes.push(CameraSnapshot { projection: flat, ..eyes[0].clone() });
     for light in lights {
         let Stage { mut scene, discs, .. } = stage();
         scene.add_light(light.clone(), DVec3::new(-2.0, 4.5, 2.5), DVec3::ZERO);
@@ -132,7 +132,7 @@ fn a_disc_far_from_the_origin_neither_shadows_itself_nor_shifts() {
     let disc = add(&mut scene, disc_mesh("plate", 0.9, 512), tilted(far + DVec3::Y, 0.5, 0.3));
     scene.add_light(Light::point("lamp", 40.0), far + DVec3::new(-2.0, 4.5, 2.5), far);
     scene.add_shadow("discs", ShadowNode::from(DiscShadow::default()).with_casters([disc]));
-    let camera = PosedCamera::looking(
+    let camera = CameraSnapshot::looking(
         Camera::perspective("eye", 0.8),
         far + DVec3::new(2.5, 3.0, 6.0),
         far + DVec3::Y,
@@ -286,7 +286,7 @@ fn options_it_does_not_have_are_named_with_those_it_has() {
 fn the_library_alone_does_not_know_it() {
     let Stage { mut scene, .. } = stage();
     scene.add_shadow("discs", DiscShadow::default());
-    let error = Registry::collect(&scene.pose().unwrap(), &shadowgraph_nodes::catalog()).unwrap_err();
+    let error = Registry::collect(&scene.snapshot().unwrap(), &shadowgraph_nodes::catalog()).unwrap_err();
     assert!(matches!(error, ShadowError::UnknownTechnique { technique, .. } if technique == "DiscShadow"));
 }
 
@@ -346,7 +346,7 @@ fn turned_scaled_and_mirrored_discs_are_discs() {
         add(&mut scene, disc_mesh("disc", 0.3, 24), place);
         lamp(&mut scene);
         scene.add_shadow("discs", DiscShadow::default());
-        let registry = Registry::collect(&scene.pose().unwrap(), &catalog()).unwrap();
+        let registry = Registry::collect(&scene.snapshot().unwrap(), &catalog()).unwrap();
         assert_eq!(registry.lights[0][0].casters, [0]);
     }
 }

@@ -194,12 +194,12 @@ fn inner_walls_that_cast_nothing() {
     // among them. A plan holds on to its scene for good, so the changed one is never dropped.
     let halved: FromParams = |_| {
         let plan: PlanOf = |technique, light, out| {
-            let mut posed = light.posed.clone();
-            for material in posed.instances.iter_mut().flat_map(|instance| &mut instance.materials) {
+            let mut snapshot = light.snapshot.clone();
+            for material in snapshot.instances.iter_mut().flat_map(|instance| &mut instance.materials) {
                 *material = Arc::new(Material { double_sided: true, ..(**material).clone() });
             }
             let mut light = *light;
-            light.posed = Box::leak(Box::new(posed));
+            light.snapshot = Box::leak(Box::new(snapshot));
             technique.plan(&light, out)
         };
         Ok(Arc::new(Broken { technique: Arc::new(ShadowVolumeHard::default()), spoil: Spoil::Plan(plan) }))

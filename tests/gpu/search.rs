@@ -113,8 +113,8 @@ fn every_family_has_what_it_says() {
     for (family, seed) in Family::ALL.iter().flat_map(|family| (0..40).map(move |seed| (*family, seed))) {
         let recipe = recipe_of(seed, family, &catalog);
         assert!(recipe.triangle_count() > 0 && !recipe.lamps.is_empty() && !recipe.nodes.is_empty());
-        let posed = recipe.build(&catalog).unwrap().pose().unwrap();
-        assert_eq!((posed.instances.len(), posed.cameras.len()), (recipe.bodies.len(), 1));
+        let snapshot = recipe.build(&catalog).unwrap().snapshot().unwrap();
+        assert_eq!((snapshot.instances.len(), snapshot.cameras.len()), (recipe.bodies.len(), 1));
     }
 }
 
@@ -191,24 +191,24 @@ fn brute_force_sees_what_the_reference_and_its_band_get_wrong() {
     let Some(mut renderer) = shadowgraph_testing::renderer() else { return };
     let recipe = recipe_of(0, Family::Open, renderer.catalog());
     let scene = recipe.build(renderer.catalog()).unwrap();
-    let posed = scene.pose().unwrap();
-    let request = FrameRequest::new(posed.cameras[0].clone(), recipe.size_px);
+    let snapshot = scene.snapshot().unwrap();
+    let request = FrameRequest::new(snapshot.cameras[0].clone(), recipe.size_px);
     let mut evaluation = evaluate(&mut renderer, &scene, &request, &|_, _| {}).unwrap();
-    let brute = Brute::new(&posed).unwrap();
+    let brute = Brute::new(&snapshot).unwrap();
     let query = evaluation.queries[0].clone();
-    let sound = brute.compare(&posed, &request, &evaluation, (0, &query));
+    let sound = brute.compare(&snapshot, &request, &evaluation, (0, &query));
     assert_eq!((sound.reference, sound.excused), (0, 0));
     let compared = evaluation.errors[0].compared;
     // A reference that has light and shadow the other way round.
     let right = Arc::clone(&evaluation.reference);
     let light = &mut Arc::make_mut(&mut evaluation.reference).lights[0];
     light.factor.iter_mut().for_each(|factor| *factor = 1.0 - *factor);
-    let turned = brute.compare(&posed, &request, &evaluation, (0, &query));
+    let turned = brute.compare(&snapshot, &request, &evaluation, (0, &query));
     assert!(turned.reference * 10 > compared * 8, "{turned:?} of {compared}");
     // A picture that has, and a band that excuses everything.
     evaluation.reference = right;
     Arc::make_mut(&mut evaluation.reference).lights[0].ambiguous.fill(true);
     evaluation.measured.lights[0].1.iter_mut().for_each(|factor| *factor = 1.0 - *factor);
-    let excused = brute.compare(&posed, &request, &evaluation, (0, &query));
+    let excused = brute.compare(&snapshot, &request, &evaluation, (0, &query));
     assert!(excused.excused * 10 > compared * 8 && excused.reference == 0, "{excused:?} of {compared}");
 }

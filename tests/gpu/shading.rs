@@ -27,17 +27,17 @@ fn matt(albedo: f32) -> Material {
     Material { roughness: 1.0, ..Material::matt("matt", Vec3::splat(albedo)) }
 }
 
-fn camera(eye: DVec3, target: DVec3) -> PosedCamera {
-    PosedCamera::looking(Camera::perspective("eye", 0.8), eye, target)
+fn camera(eye: DVec3, target: DVec3) -> CameraSnapshot {
+    CameraSnapshot::looking(Camera::perspective("eye", 0.8), eye, target)
 }
 
 /// Ten metres above the origin, looking down.
-fn from_above() -> PosedCamera {
+fn from_above() -> CameraSnapshot {
     camera(DVec3::new(0.0, 10.0, 0.0), DVec3::ZERO)
 }
 
 /// Linear radiance, row by row.
-fn radiance(renderer: &mut Renderer, scene: &Scene, camera: &PosedCamera) -> Vec<Vec3> {
+fn radiance(renderer: &mut Renderer, scene: &Scene, camera: &CameraSnapshot) -> Vec<Vec3> {
     let mut request = FrameRequest::new(camera.clone(), SIZE_PX);
     request.picture = PictureFormat::LinearF32;
     let frame = renderer.render(scene, &request, &options()).unwrap();
@@ -46,7 +46,7 @@ fn radiance(renderer: &mut Renderer, scene: &Scene, camera: &PosedCamera) -> Vec
 }
 
 /// The 8-bit sRGB picture.
-fn srgb(renderer: &mut Renderer, scene: &Scene, camera: &PosedCamera) -> Vec<[u8; 4]> {
+fn srgb(renderer: &mut Renderer, scene: &Scene, camera: &CameraSnapshot) -> Vec<[u8; 4]> {
     let frame = renderer.render(scene, &FrameRequest::new(camera.clone(), SIZE_PX), &options()).unwrap();
     let picture = frame.picture.unwrap();
     picture.bytes.chunks_exact(4).map(|texel| [texel[0], texel[1], texel[2], texel[3]]).collect()
@@ -61,7 +61,7 @@ fn at<T: Copy>(picture: &[T], [x, y]: [u32; 2]) -> T {
 }
 
 /// The pixel that shows `point`.
-fn pixel_of(camera: &PosedCamera, point: DVec3) -> [u32; 2] {
+fn pixel_of(camera: &CameraSnapshot, point: DVec3) -> [u32; 2] {
     let p = camera.world_from_view.inverse().transform_point3(point);
     let half_tan = (0.8_f64 * 0.5).tan();
     let place = |ndc: f64, size: u32| ((ndc * 0.5 + 0.5) * f64::from(size)).floor() as u32;

@@ -122,15 +122,15 @@ fn served(mut scene: Scene, technique: &str) -> Scene {
 fn factors(renderer: &mut Renderer, scene: &Scene, request: &FrameRequest) -> Vec<(f32, f64, bool)> {
     let request = FrameRequest { factors: true, ..request.clone() };
     let frame = renderer.render(scene, &request, &RenderOptions::default()).unwrap();
-    let (posed, _) = renderer.posed(scene).unwrap();
-    let towards = posed.lights[0].position.truncate().normalize();
+    let (snapshot, _) = renderer.snapshot(scene).unwrap();
+    let towards = snapshot.lights[0].position.truncate().normalize();
     let eye = request.camera.world_from_view.translation;
     let seen = frame.visible_triangles.unwrap();
     let factors = frame.factors[0].pixels.floats().unwrap();
     let pixels = seen.iter().zip(factors).filter(|(id, _)| id[0] != u32::MAX);
     pixels
         .map(|(id, factor)| {
-            let instance = &posed.instances[id[0] as usize];
+            let instance = &snapshot.instances[id[0] as usize];
             let [a, b, c] = instance.mesh.triangle(id[1] as usize).map(|v| instance.world_position(v));
             let normal = (b - a).cross(c - a).normalize();
             let normal = if normal.dot(eye - a) < 0.0 { -normal } else { normal };

@@ -46,7 +46,7 @@ fn values(renderer: &mut Renderer, scene: &Scene, request: &FrameRequest) -> Vec
 fn request() -> FrameRequest {
     let camera = Camera::perspective("eye", 0.6);
     FrameRequest::new(
-        PosedCamera::looking(camera, DVec3::new(2.5, 3.0, 5.0), DVec3::new(0.0, 0.4, 0.0)),
+        CameraSnapshot::looking(camera, DVec3::new(2.5, 3.0, 5.0), DVec3::new(0.0, 0.4, 0.0)),
         SIZE_PX,
     )
 }
@@ -106,7 +106,7 @@ fn yard(surface: Option<&Arc<SurfaceFunction>>, lights: usize, shadows: ShadowVo
 
 fn remove(scene: &mut Scene, name: &str) {
     let is_it = |node: &&Instance| node.name == name;
-    let node = scene.pose().unwrap().instances.iter().find(is_it).unwrap().node;
+    let node = scene.snapshot().unwrap().instances.iter().find(is_it).unwrap().node;
     scene.remove(node).unwrap();
 }
 

@@ -31,7 +31,7 @@ fn judge(name: &str, renderer: &mut Renderer, scene: &Scene, request: &FrameRequ
 fn leaf_cards_cast_texel_by_texel() {
     let Some(mut renderer) = shadowgraph_testing::renderer() else { return };
     let (_, _, scene) = demo::all().into_iter().find(|(stem, ..)| *stem == "foliage").unwrap();
-    let camera = scene.pose().unwrap().cameras[0].clone();
+    let camera = scene.snapshot().unwrap().cameras[0].clone();
     for size_px in [[480, 270], [301, 333]] {
         judge("foliage", &mut renderer, &scene, &FrameRequest::new(camera.clone(), size_px));
     }
@@ -68,7 +68,7 @@ fn real_materials_cast_like_any_other() {
         scene.add_light(Light::point("lamp", 30.0), lamp, DVec3::ZERO);
         scene.add_shadow("shadows", ShadowVolumeHard::default());
         let camera = Camera::perspective("eye", 32_f64.to_radians());
-        let camera = PosedCamera::looking(camera, eye, target);
+        let camera = CameraSnapshot::looking(camera, eye, target);
         judge(
             file.split('/').next().unwrap(),
             &mut renderer,

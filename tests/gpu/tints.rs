@@ -392,7 +392,9 @@ fn a_light_is_darkened_in_one_way_and_odd_values_are_confined() {
             let mark = Mark { weight: odd, color: [odd, -odd, 0.5], visibility: true, apply, ..MARK };
             let planned = plan(&[&[mark, mark]], true);
             assert!(
-                planned.lights[0].factors().all(|part| part.taken.iter().all(|t| (0.0..=1.0).contains(t)))
+                planned.lights[0]
+                    .factors()
+                    .all(|part| part.max_darkening.iter().all(|t| (0.0..=1.0).contains(t)))
             );
         }
     }

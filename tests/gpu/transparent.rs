@@ -134,7 +134,7 @@ fn pile(order: &[usize], nodes: usize, accumulate: Accumulate) -> (Scene, FrameR
         scene.add_shadow("glass", node.with_casters(casters.iter().copied()));
     }
     let camera = Camera::perspective("eye", 0.8);
-    let camera = PosedCamera::looking(camera, DVec3::new(2.4, 2.6, 3.4), DVec3::new(0.0, 0.4, 0.0));
+    let camera = CameraSnapshot::looking(camera, DVec3::new(2.4, 2.6, 3.4), DVec3::new(0.0, 0.4, 0.0));
     (scene, FrameRequest::new(camera, [160, 120]))
 }
 
@@ -280,11 +280,11 @@ fn four_samples_are_refused() {
 
 /// A plan without a device, on an adapter that lacks `missing`.
 fn plan_without(scene: &Scene, request: &FrameRequest, missing: Features) -> Result<FramePlan, FrameError> {
-    let posed = scene.pose().unwrap();
-    let registry = Registry::collect(&posed, &shadowgraph_nodes::catalog()).unwrap();
+    let snapshot = scene.snapshot().unwrap();
+    let registry = Registry::collect(&snapshot, &shadowgraph_nodes::catalog()).unwrap();
     let adapter =
         Adapter { name: "Old GPU", features: Features::all().difference(missing), ..Adapter::imagined() };
-    plan_frame(&posed, &registry, request, &adapter, &Cache::new())
+    plan_frame(&snapshot, &registry, request, &adapter, &Cache::new())
 }
 
 /// The format of the slot whose name begins so.

@@ -83,7 +83,7 @@ fn found_already(
     trials: &[Trial],
 ) -> Option<Evaluation> {
     let plan = renderer.plan(scene, &FrameRequest { factors: true, ..request.clone() }).ok()?;
-    let (_, registry) = renderer.posed(scene).ok()?;
+    let (_, registry) = renderer.snapshot(scene).ok()?;
     let queries = queries_with(&registry, WHOLE_LIGHT_SAMPLES);
     let mut found = trials.iter().filter_map(|trial| trial.evaluation.as_ref());
     found.find(|earlier| earlier.queries == queries && *earlier.frame.plan == plan).cloned()

@@ -41,7 +41,7 @@ fn judged_around(antialias: Antialias) -> Vec<String> {
             let around = DVec3::new(7.0 * sin, 0.6 + f64::from(step) * 0.7, 7.0 * cos);
             let eye = if step == 0 { DVec3::new(3.2, 3.6, 6.2) } else { around };
             let camera = Camera::perspective("eye", 45_f64.to_radians());
-            let camera = PosedCamera::looking(camera, eye, DVec3::new(0.0, 0.9, 0.0));
+            let camera = CameraSnapshot::looking(camera, eye, DVec3::new(0.0, 0.9, 0.0));
             let request = FrameRequest { antialias, ..FrameRequest::new(camera, [640, 360]) };
             let found = evaluate(&mut renderer, &scene, &request, &|_, _| {}).unwrap();
             let error = &found.errors[0];

@@ -7,16 +7,16 @@ use shadowgraph::prelude::*;
 
 /// What a scene shows, coarsely enough to survive another machine's last digit of a sine.
 fn outline(scene: &Scene) -> String {
-    let posed = scene.pose().unwrap();
+    let snapshot = scene.snapshot().unwrap();
     let mut text = String::new();
-    for instance in &posed.instances {
+    for instance in &snapshot.instances {
         let (min, max) = (instance.world_bounds.min, instance.world_bounds.max);
         text += &format!("{} {} {min:.4} {max:.4}\n", instance.name, instance.mesh.triangle_count());
     }
-    for light in &posed.lights {
+    for light in &snapshot.lights {
         text += &format!("{} {:.4} {:?}\n", light.name, light.position, light.light.kind);
     }
-    for node in &posed.shadow_nodes {
+    for node in &snapshot.shadow_nodes {
         text += &format!("{} {} {:?} {:?}\n", node.name, node.shadow.technique, node.lights, node.casters);
     }
     text
@@ -43,11 +43,12 @@ fn committed_scenes_are_what_the_generator_makes() {
 #[test]
 fn the_room_has_every_kind_of_light_and_caster() {
     let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
-    let posed = load(assets.join("room.glb")).unwrap().scene.pose().unwrap();
+    let snapshot = load(assets.join("room.glb")).unwrap().scene.snapshot().unwrap();
     let kinds: std::collections::HashSet<_> =
-        posed.lights.iter().map(|light| std::mem::discriminant(&light.light.kind)).collect();
-    assert!(posed.lights.len() >= 4 && kinds.len() == 3);
-    let closedness: Vec<_> = posed.instances.iter().map(|i| i.mesh.topology().closedness().clone()).collect();
+        snapshot.lights.iter().map(|light| std::mem::discriminant(&light.light.kind)).collect();
+    assert!(snapshot.lights.len() >= 4 && kinds.len() == 3);
+    let closedness: Vec<_> =
+        snapshot.instances.iter().map(|i| i.mesh.topology().closedness().clone()).collect();
     assert!(closedness.iter().any(|c| c.unbalanced_edges == 0 && c.signed_volume > 0.0), "closed casters");
     assert!(closedness.iter().any(|c| c.boundary_edges > 0), "open casters");
     assert!(closedness.iter().any(|c| c.non_manifold_edges > 0), "non-manifold casters");

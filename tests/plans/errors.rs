@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use shadowgraph_engine::math::Projection;
 use shadowgraph_engine::render::{Adapter, FrameError, FrameRequest};
 use shadowgraph_engine::scene::{
-    AlphaMode, Camera, Light, Material, ParamValue, PosedCamera, Scene, ShadowNode,
+    AlphaMode, Camera, CameraSnapshot, Light, Material, ParamValue, Scene, ShadowNode,
 };
 use shadowgraph_engine::shadow::{Cache, Features, OptionError, ShadowError};
 use shadowgraph_testing::*;
@@ -203,7 +203,7 @@ fn what_the_adapter_lacks_is_named() {
     let projection = Projection::Orthographic { half_height_m: 0.2, near_m: 0.0, far_m: 20.0 };
     let ortho = Camera { name: "plan view".into(), projection };
     let (eye, target) = (DVec3::new(0.1, 0.3, 0.1), DVec3::new(3.0, 0.0, 3.0));
-    let ortho = FrameRequest::new(PosedCamera::looking(ortho, eye, target), SIZE_PX);
+    let ortho = FrameRequest::new(CameraSnapshot::looking(ortho, eye, target), SIZE_PX);
     let Err(FrameError::Shadow(error)) = try_without(Features::DEPTH_CLIP_CONTROL, &ortho) else {
         panic!("depth must be clamped")
     };

@@ -104,17 +104,17 @@ fn the_depth_test_is_chosen_for_each_caster() {
 #[test]
 fn volumes_end_on_a_plane_behind_all_that_receives() {
     let scene = shadowed_yard(&[]);
-    let posed = scene.pose().unwrap();
-    let crate_index = posed.instances.iter().position(|i| i.name == "crate").unwrap();
+    let snapshot = scene.snapshot().unwrap();
+    let crate_index = snapshot.instances.iter().position(|i| i.name == "crate").unwrap();
     let plan = plan(&scene, &request());
     let [record] = records(&plan, "lamp")[..] else { panic!("one caster, one record") };
     assert_eq!((record.end_kind, record.instance), (1, crate_index as u32));
     // The plane, given in the caster's own space, has light, receivers and caster on its positive side.
-    let to_shader = posed.instances[crate_index].world_from_shader().inverse();
+    let to_shader = snapshot.instances[crate_index].world_from_shader().inverse();
     let normal = Vec3::from(record.end_normal).as_dvec3();
     let height = |p: DVec3| normal.dot(to_shader.transform_point3(p)) - f64::from(record.end_offset);
-    assert!(height(posed.lights[0].position.truncate()) > 0.0);
-    for instance in &posed.instances {
+    assert!(height(snapshot.lights[0].position.truncate()) > 0.0);
+    for instance in &snapshot.instances {
         assert!(
             instance.world_bounds.corners().iter().all(|corner| height(*corner) > 0.0),
             "{}",

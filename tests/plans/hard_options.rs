@@ -360,8 +360,8 @@ fn weights_are_blended_and_not_drawn_again() {
 #[test]
 fn solids_with_a_smooth_terminator_cast_from_their_far_side() {
     let scene = shadowed_yard(&[("terminator", "smooth")]);
-    let posed = scene.pose().unwrap();
-    let crate_index = posed.instances.iter().position(|i| i.name == "crate").unwrap() as u32;
+    let snapshot = scene.snapshot().unwrap();
+    let crate_index = snapshot.instances.iter().position(|i| i.name == "crate").unwrap() as u32;
     let smooth = plan(&scene, &request());
     assert_eq!(smooth.lights[0].smooth_terminators, [crate_index]);
     assert!(smooth.to_string().contains("smooth terminators: 1"), "{smooth}");
@@ -377,7 +377,7 @@ fn solids_with_a_smooth_terminator_cast_from_their_far_side() {
     let inside = open.add_light(Light::point("inside", 1.0), DVec3::new(0.0, 1.5, 0.0), DVec3::ZERO);
     open.add_shadow("shadows", hard(&[("terminator", "smooth")]));
     let plan = plan(&open, &request());
-    let inside = posed_light(&open, inside);
+    let inside = light_snapshot(&open, inside);
     assert!(plan.lights[inside].smooth_terminators.is_empty());
     assert!(has_note(&plan, "'sheet'") && has_note(&plan, "terminator=smooth leaves it as it is"), "{plan}");
     // Beyond 32 lights there is no bit left to say it with.
@@ -391,8 +391,8 @@ fn solids_with_a_smooth_terminator_cast_from_their_far_side() {
     assert!(has_note(&plan, "only the first 32 lights"));
 }
 
-fn posed_light(scene: &Scene, node: shadowgraph_engine::scene::NodeKey) -> usize {
-    scene.pose().unwrap().lights.iter().position(|light| light.node == node).unwrap()
+fn light_snapshot(scene: &Scene, node: shadowgraph_engine::scene::NodeKey) -> usize {
+    scene.snapshot().unwrap().lights.iter().position(|light| light.node == node).unwrap()
 }
 
 #[test]

@@ -93,9 +93,9 @@ fn masked_volumes() {
 }
 
 #[test]
-fn light_lists() {
-    for (structure, rust) in shadowgraph_nodes::common::listed::layouts() {
-        assert_same("common/light_lists", structure, rust);
+fn light_grid_lists() {
+    for (structure, rust) in shadowgraph_nodes::common::ray_candidates::layouts() {
+        assert_same("common/light_grid_lists", structure, rust);
     }
 }
 

@@ -143,8 +143,8 @@ fn a_caster_named_by_two_nodes_of_one_technique_is_counted_once() {
     let twice = plan(&scene, &request());
     assert_eq!(volume_draws(&twice, "lamp").len(), 1);
     assert_eq!((twice.passes.len(), twice.bytes()), (once.passes.len(), once.bytes()));
-    let posed = scene.pose().unwrap();
-    let registry = Registry::collect(&posed, &shadowgraph_nodes::catalog()).unwrap();
+    let snapshot = scene.snapshot().unwrap();
+    let registry = Registry::collect(&snapshot, &shadowgraph_nodes::catalog()).unwrap();
     assert_eq!(registry.casters_of(0), [1]);
     assert_eq!(registry.lights[0][1].casters, [] as [usize; 0]);
 }

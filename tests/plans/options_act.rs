@@ -86,7 +86,7 @@ fn plans(
         let mut scene = scene.clone();
         let mut node = ShadowNode { params: params.clone(), ..ShadowNode::new(entry.type_name) };
         let made = (entry.from_params)(params).unwrap();
-        node.receivers = shadowgraph_engine::shadow::receivers_for(&scene.pose().unwrap(), made.as_ref());
+        node.receivers = shadowgraph_engine::shadow::receivers_for(&scene.snapshot().unwrap(), made.as_ref());
         scene.add_shadow("shadows", node);
         let catalog = shadowgraph_nodes::catalog();
         let plan = try_plan_with(&scene, request, &catalog, &Adapter::imagined(), cache);

@@ -140,7 +140,7 @@ fn receivers_that_are_no_planes_are_refused_by_name() {
         data.positions[0].y = height;
         let mut scene = Scene::new();
         scene.add_mesh(mesh(data), Material::default(), DAffine3::IDENTITY);
-        Flat::of(&scene.pose().unwrap().instances[0])
+        Flat::of(&scene.snapshot().unwrap().instances[0])
     };
     assert!(matches!(bump(1e-4), Err(NotPlanar::Deviates { deviation_m, .. }) if deviation_m > 2e-5));
     assert!(bump(1e-8).is_ok());
@@ -149,7 +149,7 @@ fn receivers_that_are_no_planes_are_refused_by_name() {
     data.positions.iter_mut().for_each(|p| *p = turn * *p + Vec3::new(3.0, -50.0, 20.0));
     let mut scene = Scene::new();
     scene.add_mesh(mesh(data), Material::default(), DAffine3::from_rotation_y(0.4));
-    assert!(Flat::of(&scene.pose().unwrap().instances[0]).is_ok());
+    assert!(Flat::of(&scene.snapshot().unwrap().instances[0]).is_ok());
 }
 
 #[test]

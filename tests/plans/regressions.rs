@@ -6,7 +6,7 @@ use shadowgraph_engine::plan::{
     ColorTarget, FactorAt, Load, Pass, PlanError, Slot, SlotId, SlotKind, StencilOperation, TextureFormat,
 };
 use shadowgraph_engine::render::{Adapter, FrameRequest};
-use shadowgraph_engine::scene::{Camera, ParamValue, PosedCamera, ShadowNode, placed};
+use shadowgraph_engine::scene::{Camera, CameraSnapshot, ParamValue, ShadowNode, placed};
 use shadowgraph_engine::shadow::Cache;
 use shadowgraph_testing::*;
 
@@ -106,7 +106,7 @@ fn a_light_that_is_never_resolved_is_found() {
 /// Cameras of a scene are checked when it is posed; one given from outside is not.
 #[test]
 fn a_camera_from_outside_the_scene_is_checked() {
-    let blind = PosedCamera::looking(Camera::perspective("blind", 0.0), DVec3::ONE, DVec3::ZERO);
+    let blind = CameraSnapshot::looking(Camera::perspective("blind", 0.0), DVec3::ONE, DVec3::ZERO);
     let result = try_plan(&shadowed_yard(&[]), &FrameRequest::new(blind, SIZE_PX));
     assert!(result.is_err(), "planned with an opening angle of 0");
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, DVec4};
 use shadowgraph::cases::{self, Case};
-use shadowgraph::engine::scene::Posed;
+use shadowgraph::engine::scene::SceneSnapshot;
 use shadowgraph::engine::shadow::LightDisc;
 use shadowgraph::measure::{
     Hit, LightQuery, LightSize, Measured, Reference, ReferenceImage, Samples, SizedCasters, compare,
@@ -18,19 +18,19 @@ fn case(name: &str) -> Case {
     cases.into_iter().find(|case| case.name() == name).unwrap_or_else(|| panic!("no case is called '{name}'"))
 }
 
-fn query(posed: &Posed) -> LightQuery {
-    LightQuery { casters: (0..posed.instances.len()).collect(), ..LightQuery::default() }
+fn query(snapshot: &SceneSnapshot) -> LightQuery {
+    LightQuery { casters: (0..snapshot.instances.len()).collect(), ..LightQuery::default() }
 }
 
-fn sized(posed: &Posed, size: LightSize, samples: Samples) -> LightQuery {
-    let casters = query(posed).casters;
+fn sized(snapshot: &SceneSnapshot, size: LightSize, samples: Samples) -> LightQuery {
+    let casters = query(snapshot).casters;
     LightQuery { sized: vec![SizedCasters { casters, size, samples }], ..LightQuery::default() }
 }
 
 fn render_with(case: &Case, size: LightSize, samples: Samples) -> ReferenceImage {
-    let posed = case.scene.pose().unwrap();
-    let lights = [sized(&posed, size, samples)];
-    Reference::new(&posed).render(&case.camera, SIZE_PX, &lights, &|_, _| {})
+    let snapshot = case.scene.snapshot().unwrap();
+    let lights = [sized(&snapshot, size, samples)];
+    Reference::new(&snapshot).render(&case.camera, SIZE_PX, &lights, &|_, _| {})
 }
 
 fn render(case: &Case, size: LightSize, samples: u32) -> ReferenceImage {
@@ -156,8 +156,8 @@ fn samples_converge_and_overlaps_count_once() {
 fn without_size_and_inside_the_sphere_it_is_the_hard_shadow() {
     for name in ["radius-0/lamp", "radius-0/sun", "light-touches-caster/face"] {
         let case = case(name);
-        let posed = case.scene.pose().unwrap();
-        let hard = Reference::new(&posed).render(&case.camera, SIZE_PX, &[query(&posed)], &|_, _| {});
+        let snapshot = case.scene.snapshot().unwrap();
+        let hard = Reference::new(&snapshot).render(&case.camera, SIZE_PX, &[query(&snapshot)], &|_, _| {});
         let image = render(&case, LightSize::NONE, 4096);
         // NaN is not equal to itself: bits are.
         let bits =
@@ -166,8 +166,8 @@ fn without_size_and_inside_the_sphere_it_is_the_hard_shadow() {
     }
     // Every surface in view is within the sphere.
     let case = case("receiver-inside-light");
-    let posed = case.scene.pose().unwrap();
-    let hard = Reference::new(&posed).render(&case.camera, SIZE_PX, &[query(&posed)], &|_, _| {});
+    let snapshot = case.scene.snapshot().unwrap();
+    let hard = Reference::new(&snapshot).render(&case.camera, SIZE_PX, &[query(&snapshot)], &|_, _| {});
     let image = render(&case, LightSize { radius_m: 50.0, ..LightSize::NONE }, 256);
     let light = &hard.lights[0];
     let judged = (0..light.factor.len()).filter(|pixel| light.compared[*pixel]);
@@ -181,11 +181,11 @@ fn it_is_what_asking_every_sample_gives() {
     for name in ["tripod", "caster-in-light/box", "penumbra-overlap/half-planes"] {
         let case = case(name);
         let size = size_of(&case);
-        let posed = case.scene.pose().unwrap();
-        let reference = Reference::new(&posed);
+        let snapshot = case.scene.snapshot().unwrap();
+        let reference = Reference::new(&snapshot);
         let image = render(&case, size, 256);
-        let casters = reference.caster_set(&query(&posed).casters);
-        let light = posed.lights[0].position;
+        let casters = reference.caster_set(&query(&snapshot).casters);
+        let light = snapshot.lights[0].position;
         let mut tracer = reference.tracer();
         let mut penumbra = 0;
         for (pixel, point) in floor_points(&case, &image) {
@@ -253,8 +253,8 @@ fn parts_of_a_light_are_multiplied() {
     // The floor and one board cast as for a point, the other board as for a disc.
     let case = case("penumbra-overlap/half-planes");
     let size = size_of(&case);
-    let posed = case.scene.pose().unwrap();
-    let reference = Reference::new(&posed);
+    let snapshot = case.scene.snapshot().unwrap();
+    let reference = Reference::new(&snapshot);
     let samples = Samples::Same(64);
     let hard = LightQuery { casters: vec![0, 1], ..LightQuery::default() };
     let part = SizedCasters { casters: vec![2], size, samples };
@@ -280,20 +280,20 @@ fn parts_of_a_light_are_multiplied() {
 fn one_box_is_the_closed_form() {
     for name in ["penumbra-width/low", "penumbra-width/middle", "penumbra-width/high"] {
         let case = case(name);
-        let posed = case.scene.pose().unwrap();
-        let [_, caster] = &posed.instances[..] else { panic!("a floor and a box") };
+        let snapshot = case.scene.snapshot().unwrap();
+        let [_, caster] = &snapshot.instances[..] else { panic!("a floor and a box") };
         let vertices = 0..caster.mesh.positions().len() as u32;
         let corners: Vec<DVec3> = vertices.map(|vertex| caster.world_position(vertex)).collect();
-        let lamp = posed.lights[0].position;
+        let lamp = snapshot.lights[0].position;
         let sun = DVec4::new(-0.2, 1.0, 0.1, 0.0);
         let wide = LightSize { half_angle_rad: 0.15, ..LightSize::NONE };
         for (light, size) in
             [(lamp, size_of(&case)), (lamp, LightSize { radius_m: 0.7, ..wide }), (sun, wide)]
         {
-            let mut posed = posed.clone();
-            posed.lights[0].position = light;
-            let query = sized(&posed, size, Samples::Converged(4096));
-            let image = Reference::new(&posed).render(&case.camera, SIZE_PX, &[query], &|_, _| {});
+            let mut snapshot = snapshot.clone();
+            snapshot.lights[0].position = light;
+            let query = sized(&snapshot, size, Samples::Converged(4096));
+            let image = Reference::new(&snapshot).render(&case.camera, SIZE_PX, &[query], &|_, _| {});
             let share = |point| convex_visible_share(&corners, point, Some(DVec3::Y), light, size);
             let exact = floor_points(&case, &image).into_iter().map(|(pixel, point)| (pixel, share(point)));
             compare_with(&format!("{name} {size:?}"), &image, exact, 0.006, 50);
@@ -309,12 +309,12 @@ fn the_whole_table_is_traced_in_minutes() {
     let start = std::time::Instant::now();
     let (mut variants, mut slowest) = (0, Vec::new());
     for case in cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST)) {
-        let posed = case.scene.pose().unwrap();
+        let snapshot = case.scene.snapshot().unwrap();
         let start = std::time::Instant::now();
-        let lights = (0..posed.lights.len())
-            .map(|light| LightQuery { light, ..sized(&posed, size, Samples::Same(64)) });
+        let lights = (0..snapshot.lights.len())
+            .map(|light| LightQuery { light, ..sized(&snapshot, size, Samples::Same(64)) });
         let lights: Vec<_> = lights.collect();
-        Reference::new(&posed).render(&case.camera, case.size_px, &lights, &|_, _| {});
+        Reference::new(&snapshot).render(&case.camera, case.size_px, &lights, &|_, _| {});
         slowest.push((start.elapsed().as_secs_f64(), case.name()));
         variants += 1;
     }

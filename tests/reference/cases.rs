@@ -8,7 +8,7 @@ use glam::DVec3;
 use shadowgraph::cases::sweeps::{self, Axis};
 use shadowgraph::cases::{self, Case, Expect};
 use shadowgraph::measure::LightSize;
-use shadowgraph_engine::scene::{Posed, PosedCamera};
+use shadowgraph_engine::scene::{CameraSnapshot, SceneSnapshot};
 
 /// Every id of the documentation.
 const IDS: &[&str] = &[
@@ -139,14 +139,14 @@ const IDS: &[&str] = &[
     "ortho-lamp-beside",
 ];
 
-fn primary_ray(camera: &PosedCamera, size_px: [u32; 2], ndc: [f64; 2]) -> (DVec3, DVec3) {
+fn primary_ray(camera: &CameraSnapshot, size_px: [u32; 2], ndc: [f64; 2]) -> (DVec3, DVec3) {
     let aspect = f64::from(size_px[0]) / f64::from(size_px[1]);
     let (origin, direction) = camera.projection.view_ray(ndc[0], ndc[1], aspect);
     (camera.world_from_view.transform_point3(origin), camera.world_from_view.transform_vector3(direction))
 }
 
 /// Normalised device coordinates of a point; `None` before the near plane.
-fn project(camera: &PosedCamera, size_px: [u32; 2], point: DVec3) -> Option<[f64; 2]> {
+fn project(camera: &CameraSnapshot, size_px: [u32; 2], point: DVec3) -> Option<[f64; 2]> {
     let aspect = f64::from(size_px[0]) / f64::from(size_px[1]);
     let clip = camera.projection.clip_from_view(aspect)
         * camera.world_from_view.inverse().transform_point3(point).extend(1.0);
@@ -154,10 +154,10 @@ fn project(camera: &PosedCamera, size_px: [u32; 2], point: DVec3) -> Option<[f64
 }
 
 /// Dark and lit samples for each light over a coarse grid of the frame.
-fn count_samples(case: &Case, posed: &Posed, soup: &Soup) -> Vec<[usize; 2]> {
+fn count_samples(case: &Case, snapshot: &SceneSnapshot, soup: &Soup) -> Vec<[usize; 2]> {
     let triangles: usize = soup.instances.iter().map(|(_, t)| t.len()).sum();
     let side = if triangles > 20_000 { 12 } else { 40 };
-    let mut counts = vec![[0; 2]; posed.lights.len()];
+    let mut counts = vec![[0; 2]; snapshot.lights.len()];
     for i in 0..side * side {
         let to_ndc = |k: usize| (k as f64 + 0.5) / side as f64 * 2.0 - 1.0;
         let (origin, direction) =
@@ -166,7 +166,7 @@ fn count_samples(case: &Case, posed: &Posed, soup: &Soup) -> Vec<[usize; 2]> {
         let Some((t, surface)) = soup.seen(origin, direction, limits) else {
             continue;
         };
-        for (light, count) in posed.lights.iter().zip(&mut counts) {
+        for (light, count) in snapshot.lights.iter().zip(&mut counts) {
             if let Some(factor) = soup.factor(light, origin + direction * t, surface, -direction) {
                 count[usize::from(factor == [1.0; 3])] += 1;
             }
@@ -177,25 +177,25 @@ fn count_samples(case: &Case, posed: &Posed, soup: &Soup) -> Vec<[usize; 2]> {
 
 fn check(case: &Case) -> Vec<String> {
     let mut wrong = Vec::new();
-    let posed = case.scene.pose().expect("every case poses");
-    assert!(!posed.lights.is_empty(), "{}: no light", case.name());
-    let tried = posed.shadow_nodes.iter().filter(|node| node.shadow.technique == "ShadowVolumeHard");
+    let snapshot = case.scene.snapshot().expect("every case poses");
+    assert!(!snapshot.lights.is_empty(), "{}: no light", case.name());
+    let tried = snapshot.shadow_nodes.iter().filter(|node| node.shadow.technique == "ShadowVolumeHard");
     assert_eq!(tried.count(), 1, "{}: one shadow node to be tried", case.name());
     assert_eq!(
-        posed.shadow_nodes[0].shadow.technique,
+        snapshot.shadow_nodes[0].shadow.technique,
         "ShadowVolumeHard",
         "{}: it is the first",
         case.name()
     );
     assert!(case.camera.projection.is_valid(), "{}", case.name());
     let frustum = case.camera.frustum(case.size_px);
-    let seen = posed.instances.iter().any(|i| frustum.may_see(&i.world_bounds));
+    let seen = snapshot.instances.iter().any(|i| frustum.may_see(&i.world_bounds));
     assert!(seen || case.name() == "sky/empty", "{}: the camera sees nothing", case.name());
 
-    let soup = Soup::new(&posed);
+    let soup = Soup::new(&snapshot);
     for probe in &case.probes {
         let point = probe.p_in_world;
-        let light = posed.lights.iter().find(|l| l.name == probe.light).expect("the probe's light exists");
+        let light = snapshot.lights.iter().find(|l| l.name == probe.light).expect("the probe's light exists");
         let Some(ndc) =
             project(&case.camera, case.size_px, point).filter(|n| n.iter().all(|c| c.abs() < 1.0))
         else {
@@ -223,7 +223,7 @@ fn check(case: &Case) -> Vec<String> {
             None => wrong.push(format!("{}: {point} is on no surface", case.name())),
         }
     }
-    for (light, [dark, lit]) in posed.lights.iter().zip(count_samples(case, &posed, &soup)) {
+    for (light, [dark, lit]) in snapshot.lights.iter().zip(count_samples(case, &snapshot, &soup)) {
         let fits = match case.expect {
             Expect::Shadow => dark > 0 && lit > 0,
             Expect::NoShadow => dark == 0,
@@ -290,9 +290,9 @@ fn every_step_of_every_sweep_shows_what_it_is_about() {
 
 /// How many of the near rectangle's corners lie in the shadow of the first light.
 fn dark_near_corners(case: &Case) -> usize {
-    let posed = case.scene.pose().expect("every case poses");
-    let soup = Soup::new(&posed);
-    let light = posed.lights[0].position.truncate();
+    let snapshot = case.scene.snapshot().expect("every case poses");
+    let soup = Soup::new(&snapshot);
+    let light = snapshot.lights[0].position.truncate();
     let corners = case.camera.frustum(case.size_px).near_corners;
     corners.iter().filter(|corner| soup.hit(**corner, light - **corner, [0.0, 1.0]).is_some()).count()
 }

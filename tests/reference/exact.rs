@@ -4,7 +4,9 @@ use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4, Vec3};
 use shadowgraph::measure::{Hit, LightQuery, Measured, Reference, ReferenceImage, compare};
 use shadowgraph_engine::geometry::{Mesh, MeshData};
 use shadowgraph_engine::math::Projection;
-use shadowgraph_engine::scene::{AlphaMode, Camera, Light, Material, Posed, PosedCamera, Scene, placed};
+use shadowgraph_engine::scene::{
+    AlphaMode, Camera, CameraSnapshot, Light, Material, Scene, SceneSnapshot, placed,
+};
 
 const SIZE: [u32; 2] = [160, 120];
 
@@ -54,35 +56,35 @@ fn matt() -> Material {
     Material::default()
 }
 
-fn camera() -> PosedCamera {
-    PosedCamera::looking(Camera::perspective("eye", 0.8), DVec3::new(3.0, 6.0, 7.0), DVec3::ZERO)
+fn camera() -> CameraSnapshot {
+    CameraSnapshot::looking(Camera::perspective("eye", 0.8), DVec3::new(3.0, 6.0, 7.0), DVec3::ZERO)
 }
 
 /// A floor in y = 0, then `casters`, under `light` at `position` and shining at the origin.
-fn scene(casters: Vec<(Mesh, Material, DAffine3)>, light: Light, position: DVec3) -> Posed {
+fn scene(casters: Vec<(Mesh, Material, DAffine3)>, light: Light, position: DVec3) -> SceneSnapshot {
     let mut scene = Scene::new();
     scene.add_mesh(square("floor", 0.0, 12.0), matt(), DAffine3::IDENTITY);
     for (mesh, material, place) in casters {
         scene.add_mesh(mesh, material, place);
     }
     scene.add_light(light, position, DVec3::ZERO);
-    scene.pose().expect("the scene is valid")
+    scene.snapshot().expect("the scene is valid")
 }
 
 /// Every instance casts.
-fn render(posed: &Posed, camera: &PosedCamera) -> ReferenceImage {
-    let query = LightQuery { casters: (0..posed.instances.len()).collect(), ..LightQuery::default() };
-    Reference::new(posed).render(camera, SIZE, &[query], &|_, _| {})
+fn render(snapshot: &SceneSnapshot, camera: &CameraSnapshot) -> ReferenceImage {
+    let query = LightQuery { casters: (0..snapshot.instances.len()).collect(), ..LightQuery::default() };
+    Reference::new(snapshot).render(camera, SIZE, &[query], &|_, _| {})
 }
 
 /// Where the ray through the pixel's centre meets the floor.
-fn floor_point(camera: &PosedCamera, pixel: usize) -> DVec3 {
+fn floor_point(camera: &CameraSnapshot, pixel: usize) -> DVec3 {
     let (origin, direction) = pixel_ray(camera, pixel);
     origin - direction * (origin.y / direction.y)
 }
 
 /// The ray through the pixel's centre.
-fn pixel_ray(camera: &PosedCamera, pixel: usize) -> (DVec3, DVec3) {
+fn pixel_ray(camera: &CameraSnapshot, pixel: usize) -> (DVec3, DVec3) {
     let (width, height) = (f64::from(SIZE[0]), f64::from(SIZE[1]));
     let [x, y] = [pixel % SIZE[0] as usize, pixel / SIZE[0] as usize].map(|n| n as f64 + 0.5);
     let (ndc_x, ndc_y) = (2.0 * x / width - 1.0, 1.0 - 2.0 * y / height);
@@ -93,9 +95,9 @@ fn pixel_ray(camera: &PosedCamera, pixel: usize) -> (DVec3, DVec3) {
 
 /// Compares every floor pixel outside the band with `is_dark`, which may decline, and checks that the band is narrow.
 /// Returns the number of dark floor pixels.
-fn check_floor(posed: &Posed, is_dark: impl Fn(DVec3) -> Option<bool>) -> usize {
+fn check_floor(snapshot: &SceneSnapshot, is_dark: impl Fn(DVec3) -> Option<bool>) -> usize {
     let camera = camera();
-    let image = render(posed, &camera);
+    let image = render(snapshot, &camera);
     let light = &image.lights[0];
     let (mut dark, mut lit, mut band) = (0, 0, 0);
     for (pixel, hit) in image.hits.iter().enumerate() {
@@ -135,8 +137,8 @@ fn lid() -> (Mesh, Material, DAffine3) {
 #[test]
 fn a_square_casts_its_projection() {
     for (light, position, at) in two_lights() {
-        let posed = scene(vec![lid()], light, position);
-        let dark = check_floor(&posed, |p| {
+        let snapshot = scene(vec![lid()], light, position);
+        let dark = check_floor(&snapshot, |p| {
             let d = to_light(at, p);
             let crossing = p + d * (1.5 / d.y);
             Some((crossing.x - 0.2).abs() <= 0.75 && (crossing.z - 0.1).abs() <= 0.75)
@@ -150,20 +152,20 @@ fn a_box_casts_what_its_slabs_cut() {
     for (light, position, at) in two_lights() {
         let (size, middle) = (DVec3::new(0.5, 0.75, 0.25), DVec3::new(0.1, 1.5, 0.0));
         let place = placed(middle, DQuat::from_rotation_y(-0.4), size);
-        let posed = scene(vec![(cube(), matt(), place)], light, position);
+        let snapshot = scene(vec![(cube(), matt(), place)], light, position);
         let local = place.inverse();
-        let dark = check_floor(&posed, |p| {
+        let dark = check_floor(&snapshot, |p| {
             let (from, d) = (local.transform_point3(p), local.transform_vector3(to_light(at, p)));
             let (t0, t1) = ((-1.0 - from) / d, (1.0 - from) / d);
             Some(t0.min(t1).max_element() <= t0.max(t1).min_element())
         });
         assert!(dark > 100, "{dark}");
         // On the box itself, exactly the faces turned to the light are lit: it is convex.
-        let image = render(&posed, &camera());
+        let image = render(&snapshot, &camera());
         let mut seen = [0, 0];
         for (pixel, hit) in image.hits.iter().enumerate() {
             let Some(hit) = hit.filter(|hit| hit.instance == 1) else { continue };
-            let [a, b, c] = posed.instances[1].world_triangle(hit.triangle as usize);
+            let [a, b, c] = snapshot.instances[1].world_triangle(hit.triangle as usize);
             let lit = (b - a).cross(c - a).dot(to_light(at, a)) > 0.0;
             if !image.lights[0].ambiguous[pixel] {
                 assert_eq!(image.lights[0].factor[pixel] == 1.0, lit, "pixel {pixel}, {hit:?}");
@@ -179,10 +181,10 @@ fn a_sphere_casts_an_ellipse() {
     for (light, position, at) in two_lights() {
         let center = DVec3::new(0.0, 1.5, 0.0);
         let ball = (sphere(128, |_| 0.0), matt(), DAffine3::from_translation(center));
-        let posed = scene(vec![ball], light, position);
+        let snapshot = scene(vec![ball], light, position);
         // The facets lie between the sphere and its image shrunk by the sagitta of half a step each way.
         let inner = (std::f64::consts::PI / 256.0).cos().powi(2) - 1e-6;
-        let dark = check_floor(&posed, |p| {
+        let dark = check_floor(&snapshot, |p| {
             let distance = to_light(at, p).normalize().cross(center - p).length();
             (!(inner..1.0 + 1e-6).contains(&distance)).then_some(distance < inner)
         });
@@ -193,8 +195,8 @@ fn a_sphere_casts_an_ellipse() {
 #[test]
 fn what_lies_in_the_receivers_plane_casts_nothing() {
     for (light, position, _) in two_lights() {
-        let posed = scene(vec![(square("rug", 0.0, 1.0), matt(), DAffine3::IDENTITY)], light, position);
-        assert_eq!(check_floor(&posed, |_| Some(false)), 0);
+        let snapshot = scene(vec![(square("rug", 0.0, 1.0), matt(), DAffine3::IDENTITY)], light, position);
+        assert_eq!(check_floor(&snapshot, |_| Some(false)), 0);
     }
     // A floor of many triangles that a rotation bends by ulps does not shade itself, far from the origin either.
     let (n, mut corners, mut indices) = (40_u32, Vec::new(), Vec::new());
@@ -212,8 +214,8 @@ fn what_lies_in_the_receivers_plane_casts_nothing() {
         let low = offset + turn * DVec3::new(3.0, 0.01, 1.0);
         scene.add_light(Light::point("low", 1.0), low, offset);
         let eye = offset + DVec3::new(0.0, 6.0, 3.0);
-        let camera = PosedCamera::looking(Camera::perspective("eye", 0.8), eye, offset);
-        let image = render(&scene.pose().unwrap(), &camera);
+        let camera = CameraSnapshot::looking(Camera::perspective("eye", 0.8), eye, offset);
+        let image = render(&scene.snapshot().unwrap(), &camera);
         assert!(image.hits.iter().flatten().count() > 1000);
         assert!(image.lights[0].factor.iter().all(|f| f.is_nan() || *f == 1.0));
         // Only at the rim, where the floor's own shadow begins under it, may depth or the snap of its edge make a difference.
@@ -275,8 +277,8 @@ fn of_coincident_surfaces_the_one_that_is_seen_is_judged() {
     let corners = [[-12.0, 0.0, -12.0], [-12.0, 0.0, 12.0], [12.0, 0.0, 12.0], [12.0, 0.0, -12.0]];
     let other = || (mesh("other", &corners, &[1, 2, 3, 1, 3, 0]), matt(), DAffine3::IDENTITY);
     for (light, position, _) in two_lights() {
-        let mut posed = scene(vec![lid(), other()], light.clone(), position);
-        let both = render(&posed, &camera());
+        let mut snapshot = scene(vec![lid(), other()], light.clone(), position);
+        let both = render(&snapshot, &camera());
         let once = render(&scene(vec![lid()], light, position), &camera());
         let floor =
             |image: &ReferenceImage, pixel: usize| image.hits[pixel].is_some_and(|hit| hit.instance == 0);
@@ -305,8 +307,8 @@ fn of_coincident_surfaces_the_one_that_is_seen_is_judged() {
         let off = errors(&both, &|pixel| if pixel == dark[40] { 1.0 } else { both.lights[0].factor[pixel] });
         assert!(off.wrong == 1 && !off.passes(), "{off:?}");
         // No shadow falls on the other: what is right depends on which of them is seen.
-        posed.instances[2].shadow.receives = false;
-        let both = render(&posed, &camera());
+        snapshot.instances[2].shadow.receives = false;
+        let both = render(&snapshot, &camera());
         let on_first = errors(&both, &|pixel| both.lights[0].factor[pixel]);
         assert!(on_first.wrong >= dark.len() && on_first.fails(), "{on_first:?}");
         let on_other =
@@ -331,21 +333,21 @@ fn materials_and_flags_are_obeyed() {
     assert_eq!(shadows(Material { alpha_mode: AlphaMode::Blend, ..matt() }), (false, false));
     assert_eq!(shadows(Material { transmission: 0.5, ..matt() }), (false, false));
 
-    let mut posed = scene(vec![lid()], lamp(), above);
+    let mut snapshot = scene(vec![lid()], lamp(), above);
     let nobody = [LightQuery { casters: vec![], ..LightQuery::default() }];
-    assert!(is_lit(&Reference::new(&posed).render(&camera(), SIZE, &nobody, &|_, _| {})));
-    posed.instances[0].shadow.receives = false;
-    assert!(is_lit(&render(&posed, &camera())));
+    assert!(is_lit(&Reference::new(&snapshot).render(&camera(), SIZE, &nobody, &|_, _| {})));
+    snapshot.instances[0].shadow.receives = false;
+    assert!(is_lit(&render(&snapshot, &camera())));
 }
 
 #[test]
 fn range_and_cone_bound_the_comparison() {
     let above = DVec3::new(0.0, 6.0, 0.0);
     for light in [Light::point("lamp", 1.0).with_range(6.5), Light::spot("cone", 1.0, 0.3)] {
-        let posed = scene(vec![], light, above);
-        let image = render(&posed, &camera());
+        let snapshot = scene(vec![], light, above);
+        let image = render(&snapshot, &camera());
         for (pixel, hit) in image.hits.iter().enumerate() {
-            let reached = posed.lights[0].reaches(floor_point(&camera(), pixel));
+            let reached = snapshot.lights[0].reaches(floor_point(&camera(), pixel));
             assert_eq!(image.lights[0].compared[pixel], hit.is_some() && reached);
             assert!(hit.is_none() || image.lights[0].factor[pixel] == 1.0);
         }
@@ -360,8 +362,8 @@ fn back_faces_and_clip_planes_are_respected() {
         let single = Material { double_sided: false, ..matt() };
         scene.add_mesh(square("tile", 0.0, 5.0), single, place);
         let camera = Camera { name: "eye".into(), projection };
-        let camera = PosedCamera::looking(camera, DVec3::new(0.0, 4.0, 0.1), DVec3::ZERO);
-        let reference = Reference::new(&scene.pose().unwrap());
+        let camera = CameraSnapshot::looking(camera, DVec3::new(0.0, 4.0, 0.1), DVec3::ZERO);
+        let reference = Reference::new(&scene.snapshot().unwrap());
         reference.render(&camera, SIZE, &[], &|_, _| {}).hits.iter().flatten().count()
     };
     let perspective = |near_m| Projection::Perspective { fov_y_rad: 0.5, near_m };
@@ -380,8 +382,8 @@ fn back_faces_and_clip_planes_are_respected() {
 
 #[test]
 fn supersampling_gives_the_mean_of_the_factors() {
-    let posed = scene(vec![lid()], Light::point("lamp", 1.0), DVec3::new(-1.5, 6.0, 1.0));
-    let reference = Reference::new(&posed);
+    let snapshot = scene(vec![lid()], Light::point("lamp", 1.0), DVec3::new(-1.5, 6.0, 1.0));
+    let reference = Reference::new(&snapshot);
     let query = [LightQuery { casters: vec![0, 1], ..LightQuery::default() }];
     let fine = reference.render(&camera(), SIZE.map(|n| n * 4), &query, &|_, _| {});
     let mean = reference.render_supersampled(&camera(), SIZE, &query, &|_, _| {}, 4);

@@ -7,17 +7,17 @@ use shadowgraph_engine::geometry::shapes::{icosphere, quad};
 use shadowgraph_engine::geometry::{Mesh, MeshData};
 use shadowgraph_engine::math::Projection;
 use shadowgraph_engine::scene::{
-    AlphaMode, Camera, Image, Light, Material, Posed, PosedCamera, Scene, TextureRef,
+    AlphaMode, Camera, CameraSnapshot, Image, Light, Material, Scene, SceneSnapshot, TextureRef,
 };
 
 /// Everything casts, glass in its colours.
-fn query(posed: &Posed) -> LightQuery {
-    let all: Vec<usize> = (0..posed.instances.len()).collect();
+fn query(snapshot: &SceneSnapshot) -> LightQuery {
+    let all: Vec<usize> = (0..snapshot.instances.len()).collect();
     LightQuery { casters: all.clone(), transparent: all, ..LightQuery::default() }
 }
 
-fn render(posed: &Posed, camera: &PosedCamera, size_px: [u32; 2]) -> ReferenceImage {
-    Reference::new(posed).render(camera, size_px, &[query(posed)], &|_, _| {})
+fn render(snapshot: &SceneSnapshot, camera: &CameraSnapshot, size_px: [u32; 2]) -> ReferenceImage {
+    Reference::new(snapshot).render(camera, size_px, &[query(snapshot)], &|_, _| {})
 }
 
 fn at(image: &ReferenceImage, pixel: usize) -> Vec3 {
@@ -31,8 +31,8 @@ fn at(image: &ReferenceImage, pixel: usize) -> Vec3 {
 
 /// The probes that the reference gets wrong.
 fn wrong_probes(case: &Case) -> Vec<String> {
-    let posed = case.scene.pose().unwrap();
-    let image = render(&posed, &case.camera, case.size_px);
+    let snapshot = case.scene.snapshot().unwrap();
+    let image = render(&snapshot, &case.camera, case.size_px);
     let [width, height] = case.size_px.map(f64::from);
     let clip_from_world = case.camera.projection.clip_from_view(width / height)
         * glam::DMat4::from(case.camera.world_from_view.inverse());
@@ -50,8 +50,8 @@ fn wrong_probes(case: &Case) -> Vec<String> {
 #[test]
 fn hand_made_answers_are_its_own() {
     let transparent = |case: &Case| {
-        let posed = case.scene.pose().unwrap();
-        posed.instances.iter().flat_map(|i| &i.materials).any(|material| material.is_transparent())
+        let snapshot = case.scene.snapshot().unwrap();
+        snapshot.instances.iter().flat_map(|i| &i.materials).any(|material| material.is_transparent())
     };
     let cases = cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST));
     let steps =
@@ -72,7 +72,7 @@ fn blended(color: Vec4) -> Material {
 /// A floor seen from straight above, pixel by pixel of 1/16 m, under a sun that stands there too.
 struct Level {
     scene: Scene,
-    camera: PosedCamera,
+    camera: CameraSnapshot,
 }
 
 const SIZE: [u32; 2] = [64, 64];
@@ -84,7 +84,7 @@ impl Level {
         scene.add_light(Light::directional("sun", 1.0), DVec3::ZERO, DVec3::NEG_Y);
         let projection = Projection::Orthographic { half_height_m: 2.0, near_m: 0.0, far_m: 20.0 };
         let camera = Camera { name: "eye".into(), projection };
-        let camera = PosedCamera::looking(camera, DVec3::Y * 10.0, DVec3::ZERO);
+        let camera = CameraSnapshot::looking(camera, DVec3::Y * 10.0, DVec3::ZERO);
         Self { scene, camera }
     }
 
@@ -94,7 +94,7 @@ impl Level {
     }
 
     fn render(&self) -> ReferenceImage {
-        render(&self.scene.pose().unwrap(), &self.camera, SIZE)
+        render(&self.scene.snapshot().unwrap(), &self.camera, SIZE)
     }
 }
 
@@ -135,9 +135,9 @@ fn a_pane_counts_once_along_its_diagonal() {
 #[test]
 fn only_what_is_claimed_as_transparent_colours() {
     let level = Level::new().with(level(0.0, 1.0), blended(Vec4::new(1.0, 0.5, 0.25, 0.5)));
-    let posed = level.scene.pose().unwrap();
-    let opaque_only = LightQuery { transparent: vec![0], ..query(&posed) };
-    let image = Reference::new(&posed).render(&level.camera, SIZE, &[opaque_only], &|_, _| {});
+    let snapshot = level.scene.snapshot().unwrap();
+    let opaque_only = LightQuery { transparent: vec![0], ..query(&snapshot) };
+    let image = Reference::new(&snapshot).render(&level.camera, SIZE, &[opaque_only], &|_, _| {});
     // One channel, since nothing transparent casts.
     assert!(image.lights[0].factor.iter().all(|factor| *factor == 1.0));
     assert_eq!(image.lights[0].factor.len(), 4096);

@@ -7,7 +7,7 @@ use glam::{DVec3, DVec4, Vec2, Vec3};
 use shadowgraph::measure::LightSize;
 use shadowgraph_engine::math::{Aabb, facing_sign};
 use shadowgraph_engine::scene::{
-    AlphaMode, Image, Instance, Material, Posed, PosedLight, TexCoord, TextureRef, Wrap,
+    AlphaMode, Image, Instance, LightSnapshot, Material, SceneSnapshot, TexCoord, TextureRef, Wrap,
 };
 
 /// A triangle's mask by its nearest texels: enough for points well inside holes and leaves.
@@ -19,7 +19,7 @@ pub(crate) struct Mask {
 }
 
 impl Mask {
-    fn of(posed: &Posed, instance: &Instance, triangle: usize) -> Option<Self> {
+    fn of(snapshot: &SceneSnapshot, instance: &Instance, triangle: usize) -> Option<Self> {
         let material = instance.material_of(triangle);
         let AlphaMode::Mask { cutoff } = material.alpha_mode else { return None };
         let (data, corners) = (instance.mesh.data(), instance.mesh.triangle(triangle));
@@ -28,7 +28,7 @@ impl Mask {
         let uvs = if second { &data.second_uvs } else { &data.uvs };
         let alpha = |vertex: u32| data.colors.get(vertex as usize).map_or(1.0, |color| color.w);
         Some(Self {
-            image: texture.map(|texture| (Arc::clone(&posed.images[&texture.image]), texture)),
+            image: texture.map(|texture| (Arc::clone(&snapshot.images[&texture.image]), texture)),
             uvs: corners.map(|vertex| uvs.get(vertex as usize).copied().unwrap_or_default()),
             alphas: corners.map(alpha),
             cutoff,
@@ -67,7 +67,7 @@ pub(crate) struct BareTriangle {
     mirrored: bool,
 }
 
-/// A posed scene as bare triangles, one box for each instance.
+/// A scene's snapshot as bare triangles, one box for each instance.
 pub(crate) struct Soup {
     pub(crate) instances: Vec<(Aabb, Vec<BareTriangle>)>,
     glass: Vec<Glass>,
@@ -103,12 +103,12 @@ impl Glass {
 }
 
 impl Soup {
-    pub(crate) fn new(posed: &Posed) -> Self {
+    pub(crate) fn new(snapshot: &SceneSnapshot) -> Self {
         let of = |i: &Instance| {
             let opaque = (0..i.mesh.triangle_count()).filter(|t| i.material_of(*t).is_opaque());
             let bare = |t: usize| BareTriangle {
                 corners: i.world_triangle(t),
-                mask: Mask::of(posed, i, t),
+                mask: Mask::of(snapshot, i, t),
                 culled: !i.material_of(t).double_sided,
                 mirrored: i.world_from_local.matrix3.determinant() < 0.0,
             };
@@ -122,15 +122,17 @@ impl Soup {
             Glass {
                 corners: i.world_triangle(triangle),
                 uvs: i.mesh.triangle(triangle).map(uv),
-                image: material.base_color_texture.map(|texture| Arc::clone(&posed.images[&texture.image])),
+                image: material
+                    .base_color_texture
+                    .map(|texture| Arc::clone(&snapshot.images[&texture.image])),
                 material,
             }
         };
-        let panes = posed.instances.iter().flat_map(|i| {
+        let panes = snapshot.instances.iter().flat_map(|i| {
             let through = (0..i.mesh.triangle_count()).filter(|t| !i.material_of(*t).is_opaque());
             through.map(|t| glass(i, t)).collect::<Vec<_>>()
         });
-        Self { instances: posed.instances.iter().map(of).collect(), glass: panes.collect() }
+        Self { instances: snapshot.instances.iter().map(of).collect(), glass: panes.collect() }
     }
 
     /// The nearest hit along origin + t·direction with t between the limits, and the triangle's corners.
@@ -181,7 +183,7 @@ impl Soup {
     /// The factor of `light` at `point` on `surface`, seen from `to_eye`; `None` outside the light's reach.
     pub(crate) fn factor(
         &self,
-        light: &PosedLight,
+        light: &LightSnapshot,
         point: DVec3,
         surface: [DVec3; 3],
         to_eye: DVec3,
@@ -210,7 +212,7 @@ impl Soup {
     /// The mean factor over the light's disc: of directions within `half_angle_rad`, or around a point for `radius_m`.
     pub(crate) fn soft_factor(
         &self,
-        light: &PosedLight,
+        light: &LightSnapshot,
         LightSize { radius_m, half_angle_rad }: LightSize,
         point: DVec3,
         surface: [DVec3; 3],
@@ -234,7 +236,7 @@ impl Soup {
             let within = |k: usize| (k as f64 + 0.5) / SIDE as f64;
             let (r, angle) = (radius * within(i % SIDE).sqrt(), within(i / SIDE) * std::f64::consts::TAU);
             let moved = (u * angle.cos() + v * angle.sin()) * r;
-            let sample = PosedLight { position: light.position + moved.extend(0.0), ..light.clone() };
+            let sample = LightSnapshot { position: light.position + moved.extend(0.0), ..light.clone() };
             let factor = self.factor(&sample, point, surface, to_eye).unwrap_or_default();
             sum = [0, 1, 2].map(|i| sum[i] + factor[i]);
         }

@@ -17,7 +17,7 @@ use super::{FrameUniform, Gpu, GpuError, InstanceUniform, LightUniform, Pixels};
 use crate::plan::{
     BufferUsage, FramePlan, Geometry, LightPlanned, Pass, Shader, Slot, SlotId, SlotKind, SurfaceStyle,
 };
-use crate::scene::{Posed, PosedCamera, SurfaceFunction};
+use crate::scene::{CameraSnapshot, SceneSnapshot, SurfaceFunction};
 use crate::shadow::MAX_SMOOTH_LIGHTS;
 
 use kept::{KeptTextures, is_due};
@@ -44,9 +44,9 @@ pub enum Timing {
 #[derive(Clone, Copy, Debug)]
 pub struct FrameInputs<'a> {
     /// The scene the plan was made for.
-    pub posed: &'a Posed,
+    pub snapshot: &'a SceneSnapshot,
     /// The camera the plan was made for.
-    pub camera: &'a PosedCamera,
+    pub camera: &'a CameraSnapshot,
     /// What radiance is multiplied by.
     pub exposure: f32,
     /// Whether radiance is mapped to picture brightness.
@@ -173,7 +173,7 @@ impl Executor {
     /// What exceeds a limit or the budget, before anything is allocated; what is wrong with a shader; what the device
     /// reports, with the adapter's name. An executor whose device was lost is of no use any more.
     pub fn execute(&mut self, plan: &FramePlan, inputs: &FrameInputs<'_>) -> Result<Executed, GpuError> {
-        let (count, limit) = (inputs.posed.lights.len(), MAX_LIGHTS);
+        let (count, limit) = (inputs.snapshot.lights.len(), MAX_LIGHTS);
         if count > limit {
             return Err(GpuError::TooManyLights { count, limit });
         }
@@ -199,7 +199,7 @@ impl Executor {
         inputs: &FrameInputs<'_>,
     ) -> Result<Executed, GpuError> {
         self.upload_scene(plan, inputs);
-        let slots = self.slots(plan, inputs.posed);
+        let slots = self.slots(plan, inputs.snapshot);
         let frame_group = self.frame_group(plan, inputs);
         let stale = self.kept_textures.stale(plan);
         let runs = |pass: &Pass| is_due(plan, pass, &stale);
@@ -207,7 +207,8 @@ impl Executor {
         let queries = self.queries(inputs.timing, groups.len());
 
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let scene = encode::Scene { plan, posed: inputs.posed, slots: &slots, frame_group: &frame_group };
+        let scene =
+            encode::Scene { plan, snapshot: inputs.snapshot, slots: &slots, frame_group: &frame_group };
         for (index, group) in groups.iter().enumerate() {
             let stamps = queries.as_ref().map(|(set, _)| wgpu::RenderPassTimestampWrites {
                 query_set: set,
@@ -289,14 +290,14 @@ impl Executor {
             match &draw.geometry {
                 Geometry::Surfaces { parts, .. } | Geometry::PulledSurfaces { parts, .. } => {
                     for (instance, part) in parts {
-                        let instance = &inputs.posed.instances[*instance as usize];
+                        let instance = &inputs.snapshot.instances[*instance as usize];
                         self.meshes.upload(&self.gpu, &instance.mesh);
                         let material = &instance.materials[*part as usize];
-                        self.materials.upload(&self.gpu, material, &inputs.posed.images);
+                        self.materials.upload(&self.gpu, material, &inputs.snapshot.images);
                     }
                 }
                 Geometry::Indexed { instance, .. } => {
-                    self.meshes.upload(&self.gpu, &inputs.posed.instances[*instance as usize].mesh);
+                    self.meshes.upload(&self.gpu, &inputs.snapshot.instances[*instance as usize].mesh);
                 }
                 Geometry::IndexedProcedural { .. } | Geometry::Procedural { .. } => {}
             }
@@ -304,7 +305,7 @@ impl Executor {
     }
 
     /// Textures and buffers of the plan: last frame's where they are the same.
-    fn slots(&mut self, plan: &FramePlan, posed: &Posed) -> Vec<GpuSlot> {
+    fn slots(&mut self, plan: &FramePlan, snapshot: &SceneSnapshot) -> Vec<GpuSlot> {
         let frame = self.frame;
         let mut slots = Vec::with_capacity(plan.slots.len());
         let kept_textures = self.kept_textures.textures(&self.gpu, plan);
@@ -345,7 +346,7 @@ impl Executor {
                     GpuSlot::Buffer(kept.value.clone())
                 }
                 SlotKind::Image { image } => {
-                    GpuSlot::Texture(self.materials.base_color_image(&self.gpu, posed.images.get(image)))
+                    GpuSlot::Texture(self.materials.base_color_image(&self.gpu, snapshot.images.get(image)))
                 }
             });
         }
@@ -354,18 +355,18 @@ impl Executor {
 
     /// Group 0: the frame, the instances and the lights as this camera sees them.
     fn frame_group(&self, plan: &FramePlan, inputs: &FrameInputs<'_>) -> wgpu::BindGroup {
-        let FrameInputs { posed, camera, exposure, tone_map, .. } = *inputs;
+        let FrameInputs { snapshot, camera, exposure, tone_map, .. } = *inputs;
         let view_from_world = camera.world_from_view.inverse();
         let mut first_triangle = 0;
-        let mut instances = Vec::with_capacity(posed.instances.len());
-        for (index, instance) in posed.instances.iter().enumerate() {
+        let mut instances = Vec::with_capacity(snapshot.instances.len());
+        for (index, instance) in snapshot.instances.iter().enumerate() {
             let ends_smooth = |light: &LightPlanned| light.smooth_terminators.contains(&(index as u32));
             let smooth = plan.lights.iter().zip(0..MAX_SMOOTH_LIGHTS).filter(|(light, _)| ends_smooth(light));
             let smooth = smooth.fold(0, |bits, (_, light)| bits | 1 << light);
             instances.push(InstanceUniform::new(instance, &view_from_world, first_triangle, smooth));
             first_triangle += instance.mesh.triangle_count() as u32;
         }
-        let mut lights: Vec<_> = posed
+        let mut lights: Vec<_> = snapshot
             .lights
             .iter()
             .zip(&plan.lights)
@@ -375,7 +376,7 @@ impl Executor {
         lights.resize(capacity, LightUniform::zeroed());
         let frame = FrameUniform {
             shadowed_px: plan.shadowed_px,
-            ..FrameUniform::new(posed, camera, plan.size_px, exposure, tone_map)
+            ..FrameUniform::new(snapshot, camera, plan.size_px, exposure, tone_map)
         };
         let gpu = &self.gpu;
         let buffers = [

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4, Mat4, Vec3};
 
 use crate::plan::LightPlanned;
-use crate::scene::{Instance, LightKind, Posed, PosedCamera, PosedLight};
+use crate::scene::{CameraSnapshot, Instance, LightKind, LightSnapshot, SceneSnapshot};
 
 /// `struct Frame` of common/frame.wgsl.
 #[repr(C)]
@@ -62,7 +62,7 @@ pub struct LightUniform {
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[allow(missing_docs, reason = "documented where the shader reads them")]
 pub struct TintUniform {
-    pub taken: [f32; 3],
+    pub max_darkening: [f32; 3],
     pub next: u32,
     pub kind: u32,
     pub index: u32,
@@ -89,12 +89,12 @@ pub(super) use layout;
 layout!(FrameUniform: clip_from_view, view_from_clip, view_from_world, size_px, exposure, light_count, ambient, tone_map, up_in_view, eye_w, shadowed_px);
 layout!(InstanceUniform: row_x, row_y, row_z, normal_x, normal_y, normal_z, flags, first_triangle, smooth_terminators, pad_0);
 layout!(LightUniform: position, radiance, inverse_range, direction, cone_scale, cone_offset, factor_kind, factor_index, own_shadow);
-layout!(TintUniform: taken, next, kind, index, pad_0, pad_1);
+layout!(TintUniform: max_darkening, next, kind, index, pad_0, pad_1);
 
 impl FrameUniform {
     pub(crate) fn new(
-        posed: &Posed,
-        camera: &PosedCamera,
+        snapshot: &SceneSnapshot,
+        camera: &CameraSnapshot,
         size_px: [u32; 2],
         exposure: f32,
         tone_map: bool,
@@ -110,8 +110,8 @@ impl FrameUniform {
             view_from_world: DMat4::from(view_from_world).as_mat4().to_cols_array(),
             size_px: size_px.map(|n| n as f32),
             exposure,
-            light_count: posed.lights.len() as u32,
-            ambient: posed.ambient.to_array(),
+            light_count: snapshot.lights.len() as u32,
+            ambient: snapshot.ambient.to_array(),
             tone_map: u32::from(tone_map),
             up_in_view: up.to_array(),
             eye_w: f32::from(u8::from(perspective)),
@@ -161,7 +161,7 @@ fn normal_matrix(m: DMat3) -> DMat3 {
 
 impl LightUniform {
     pub(crate) fn new(
-        light: &PosedLight,
+        light: &LightSnapshot,
         planned: &LightPlanned,
         view_from_world: &DAffine3,
         exposure: f32,

@@ -25,8 +25,8 @@ pub struct LightPlanned {
     /// Where its factor ends up; the first of its factors when several nodes are weighted apart.
     pub factor: FactorAt,
     /// What the picture loses of the light where that factor is 0, for red, green and blue: weight · (1 − colour).
-    /// [`ALL_TAKEN`] unless a node says otherwise.
-    pub taken: [f32; 3],
+    /// [`FULL_DARKENING`] unless a node says otherwise.
+    pub max_darkening: [f32; 3],
     /// Factors of nodes that are weighted apart: the picture is shaded with the product of all.
     pub more_factors: Vec<FactorPart>,
     /// The techniques that shadow it, by type name and what options are not at their default; empty
@@ -44,7 +44,7 @@ pub struct LightPlanned {
 }
 
 /// What shadow takes of a light unless a node says otherwise: everything.
-pub const ALL_TAKEN: [f32; 3] = [1.0; 3];
+pub const FULL_DARKENING: [f32; 3] = [1.0; 3];
 
 /// The factor of nodes that are weighted apart from others of the same light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +52,7 @@ pub struct FactorPart {
     /// Where it ends up.
     pub at: FactorAt,
     /// What the picture loses of the light where it is 0; see [`LightPlanned::taken`].
-    pub taken: [f32; 3],
+    pub max_darkening: [f32; 3],
 }
 
 impl FactorAt {
@@ -70,14 +70,14 @@ impl FactorAt {
 impl LightPlanned {
     /// All its factors: the first and those weighted apart.
     pub fn factors(&self) -> impl Iterator<Item = FactorPart> {
-        let first = FactorPart { at: self.factor, taken: self.taken };
+        let first = FactorPart { at: self.factor, max_darkening: self.max_darkening };
         std::iter::once(first).chain(self.more_factors.iter().copied())
     }
 }
 
 /// What a shadow of this weight and linear colour takes from the picture, for red, green and blue: weight · (1 − colour).
 /// Both are confined to 0 … 1; what is not a number takes everything.
-pub fn taken(weight: f64, color: [f64; 3]) -> [f32; 3] {
+pub fn max_darkening(weight: f64, color: [f64; 3]) -> [f32; 3] {
     let share = |value: f64, otherwise: f64| if value.is_nan() { otherwise } else { value.clamp(0.0, 1.0) };
     color.map(|channel| (share(weight, 1.0) * (1.0 - share(channel, 0.0))) as f32)
 }

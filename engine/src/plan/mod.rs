@@ -18,7 +18,7 @@ pub use draw::{
     Binding, Draw, DrawState, Geometry, MULTIPLY, PulledStyle, STENCIL_AT_REST, Shader, ShaderError, Stencil,
     SurfaceStyle,
 };
-pub use lights::{ALL_TAKEN, FactorAt, FactorPart, LightPlanned, taken};
+pub use lights::{FULL_DARKENING, FactorAt, FactorPart, LightPlanned, max_darkening};
 pub use pass::{Access, ColorTarget, DepthTarget, Load, Pass};
 pub use resource::{BufferDesc, Lifetime, Resource, Slots, TextureDesc};
 pub(crate) use resource::{DepthId, Symbol};
@@ -42,7 +42,7 @@ pub struct FramePlan {
     pub slots: Vec<Slot>,
     /// Passes, in order.
     pub passes: Vec<Pass>,
-    /// One entry for each light of the posed scene.
+    /// One entry for each light of the scene's snapshot.
     pub lights: Vec<LightPlanned>,
     /// The slot with the finished picture.
     pub picture: SlotId,

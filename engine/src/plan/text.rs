@@ -3,8 +3,8 @@
 use std::fmt;
 
 use super::{
-    ALL_TAKEN, Access, Binding, BufferUsage, Draw, FactorPart, FramePlan, Geometry, Load, Pass, Slot, SlotId,
-    SlotKind,
+    Access, Binding, BufferUsage, Draw, FULL_DARKENING, FactorPart, FramePlan, Geometry, Load, Pass, Slot,
+    SlotId, SlotKind,
 };
 
 /// Draws listed one by one in a pass's text; the rest are summed up.
@@ -27,10 +27,10 @@ impl fmt::Display for FramePlan {
             let techniques =
                 if light.techniques.is_empty() { "no shadow".into() } else { light.techniques.join(", ") };
             write!(f, "  light {}: {techniques} -> ", light.name)?;
-            for (index, FactorPart { at, taken }) in light.factors().enumerate() {
+            for (index, FactorPart { at, max_darkening }) in light.factors().enumerate() {
                 write!(f, "{}{at:?}", if index == 0 { "" } else { " and " })?;
-                if taken != ALL_TAKEN {
-                    write!(f, " taking {taken:?}")?;
+                if max_darkening != FULL_DARKENING {
+                    write!(f, " taking {max_darkening:?}")?;
                 }
             }
             if !light.smooth_terminators.is_empty() {

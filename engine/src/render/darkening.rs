@@ -24,19 +24,19 @@ pub(super) fn add<'p>(
     factors: &Factors,
     opaque: &'p ReceiverPasses,
 ) -> Result<(), FrameError> {
-    let lights = || factors.lights.iter().zip(&opaque.lights).zip(&inputs.posed.lights);
-    for ((light, nodes), posed) in lights() {
+    let lights = || factors.lights.iter().zip(&opaque.lights).zip(&inputs.snapshot.lights);
+    for ((light, nodes), snapshot) in lights() {
         for part in &light.after {
-            let mut group = part.group(scope, nodes, &posed.name)?;
-            by_factor(inputs, needs, &mut group, (picture, part), (factors, &posed.name))?;
+            let mut group = part.group(scope, nodes, &snapshot.name)?;
+            by_factor(inputs, needs, &mut group, (picture, part), (factors, &snapshot.name))?;
             schedule.push_group(group);
         }
     }
     let Some(weight) = factors.once_weight else { return Ok(()) };
     let mut group = Group::new(scope);
-    for ((light, nodes), posed) in lights() {
+    for ((light, nodes), snapshot) in lights() {
         if let Some(part) = &light.once {
-            group.passes.extend(part.group(scope, nodes, &posed.name)?.passes);
+            group.passes.extend(part.group(scope, nodes, &snapshot.name)?.passes);
         }
     }
     once(inputs, &mut group, picture, weight)?;
@@ -97,7 +97,7 @@ fn by_visibility(
     channels: Channels,
 ) -> Result<Draw, ShaderError> {
     let [r, g, b] = max_darkening;
-    let taken = needs.slots.buffer(BufferDesc {
+    let max_darkening = needs.slots.buffer(BufferDesc {
         name: "darkening",
         usage: BufferUsage::Storage,
         revision_key: hash_of(("darkening", max_darkening.map(f32::to_bits))),
@@ -109,13 +109,13 @@ fn by_visibility(
     let state = DrawState::new(CompareFunction::Less, vec![Some(MULTIPLY)]);
     let draw = fullscreen("darken_by", ("darken_picture", flags, "darken_by"), state)?;
     let visibility = Binding::Texture(Resource::VISIBILITY);
-    Ok(draw.reading(vec![(0, Binding::Storage(taken.into())), (1, visibility)]))
+    Ok(draw.reading(vec![(0, Binding::Storage(max_darkening.into())), (1, visibility)]))
 }
 
 /// The opaque parts in view that receive no shadows.
 fn receiving_nothing(inputs: &Inputs<'_>) -> Vec<(u32, u32)> {
     let receives_nothing = |&&(instance, part): &&(u32, u32)| {
-        let instance = &inputs.posed.instances[instance as usize];
+        let instance = &inputs.snapshot.instances[instance as usize];
         !instance.shadow.receives || instance.materials[part as usize].unlit
     };
     inputs.surfaces.opaque.iter().filter(receives_nothing).copied().collect()

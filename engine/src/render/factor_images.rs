@@ -23,7 +23,7 @@ pub(super) fn add(
     light: usize,
     (at, own_shadow): (FactorAt, bool),
 ) -> Result<SlotId, ShaderError> {
-    let name = format!("factor of {}", inputs.posed.lights[light].name);
+    let name = format!("factor of {}", inputs.snapshot.lights[light].name);
     let size_px = inputs.request.antialias.factor_size_px(inputs.request.size_px);
     let slot = needs.texture(&name, format_of(factors, at), size_px, "asked for");
     let mut bindings = Vec::new();
@@ -69,10 +69,10 @@ pub(super) fn format_of(factors: &Factors, at: FactorAt) -> TextureFormat {
 
 /// One bit for each triangle of the frame: the eye sees the side turned away from the light. Decided in f64.
 fn turned_away(inputs: &Inputs<'_>, needs: &mut Needs, light: usize) -> SlotId {
-    let light = &inputs.posed.lights[light];
+    let light = &inputs.snapshot.lights[light];
     let mut bits: Vec<u32> = Vec::new();
     let mut first = 0;
-    for instance in &inputs.posed.instances {
+    for instance in &inputs.snapshot.instances {
         let count = instance.mesh.triangle_count();
         bits.resize((first + count).div_ceil(32).max(1), 0);
         let world: Vec<_> =

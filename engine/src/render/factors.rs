@@ -11,7 +11,7 @@ use super::lights::{NodePasses, ReceiverPasses};
 use super::request::FrameError;
 use super::resolve;
 use super::schedule::{Group, Inputs, Needs, Scope};
-use crate::plan::{ALL_TAKEN, FactorAt, Resource, ShaderError, SlotId, TextureDesc, TextureFormat};
+use crate::plan::{FULL_DARKENING, FactorAt, Resource, ShaderError, SlotId, TextureDesc, TextureFormat};
 use crate::shadow::{Apply, Channels, ColorTarget, Pass, ShadowError};
 
 /// One factor of a light: counts in a stencil at rest, a layer of the visibility, or both.
@@ -139,7 +139,7 @@ impl Factors {
         let (mut lights, mut channels, mut once_weight) = (Vec::new(), None, None);
         for (index, nodes) in opaque.lights.iter().enumerate() {
             let on_layers = layers.into_iter().flat_map(Layered::receivers).map(|on| &on.lights[index][..]);
-            let name = &inputs.posed.lights[index].name;
+            let name = &inputs.snapshot.lights[index].name;
             let left = joined(name, nodes, on_layers)?;
             channels = channels.max(left.iter().filter_map(|left| left.visibility).max());
             let once = left.iter().find_map(|left| match left.apply {
@@ -240,19 +240,19 @@ fn divide(left: &[Left], places: &mut Places, factors: bool) -> LightFactors {
         return light;
     }
     if left.iter().any(|left| matches!(left.apply, Apply::DarkenOnce { .. })) {
-        let whole = part(left.iter(), ALL_TAKEN, || 0);
+        let whole = part(left.iter(), FULL_DARKENING, || 0);
         light.alone = factors.then(|| whole.clone());
         light.once = Some(whole);
         return light;
     }
     let apart = left.iter().any(|left| matches!(left.apply, Apply::DarkenPicture { .. }));
-    let is_plain = |left: &&Left| left.apply.max_darkening() == ALL_TAKEN && !apart;
+    let is_plain = |left: &&Left| left.apply.max_darkening() == FULL_DARKENING && !apart;
     let weighted = left.iter().filter(|left| !is_plain(left));
     let plain = left.iter().filter(is_plain);
     let count = weighted.clone().count() + usize::from(plain.clone().next().is_some());
     if factors && (count > 1 || apart) {
         let purpose = "; here for the factor by itself, which no weight changes";
-        light.alone = Some(Part { purpose, ..part(left.iter(), ALL_TAKEN, || places.next()) });
+        light.alone = Some(Part { purpose, ..part(left.iter(), FULL_DARKENING, || places.next()) });
     }
     if apart {
         light.after = weighted
@@ -268,7 +268,7 @@ fn divide(left: &[Left], places: &mut Places, factors: bool) -> LightFactors {
         return light;
     }
     if plain.clone().next().is_some() {
-        light.shaded.push(part(plain, ALL_TAKEN, || places.next()));
+        light.shaded.push(part(plain, FULL_DARKENING, || places.next()));
     }
     for left in weighted {
         light.shaded.push(part([left].into_iter(), left.apply.max_darkening(), || places.next()));

@@ -13,24 +13,24 @@ use super::{
     darkening, layer_images, layers, light_passes, lights, lower, prepass, seen, shading, surface_functions,
 };
 use crate::plan::FramePlan;
-use crate::scene::Posed;
+use crate::scene::SceneSnapshot;
 use crate::shadow::{Apply, Cache, Registry, ShadowError, View};
 
-/// Plans one frame of `posed`. Needs no device.
+/// Plans one frame of `snapshot`. Needs no device.
 ///
 /// # Errors
 /// [`FrameError::Size`] for sizes the adapter cannot do; whatever the techniques refuse.
 pub fn plan_frame(
-    posed: &Posed,
+    snapshot: &SceneSnapshot,
     registry: &Registry,
     request: &FrameRequest,
     adapter: &Adapter<'_>,
     cache: &Cache,
 ) -> Result<FramePlan, FrameError> {
-    surface_functions::check(posed)?;
-    let view = view(posed, request, adapter)?;
-    let surfaces = &Surfaces::of(posed, &view);
-    let inputs = &Inputs { posed, registry, request, adapter, cache, view: &view, surfaces };
+    surface_functions::check(snapshot)?;
+    let view = view(snapshot, request, adapter)?;
+    let surfaces = &Surfaces::of(snapshot, &view);
+    let inputs = &Inputs { snapshot, registry, request, adapter, cache, view: &view, surfaces };
     let mut needs = first_needs(inputs);
     let picture = Picture::new(inputs, &mut needs)?;
 
@@ -83,7 +83,7 @@ pub fn plan_frame(
 }
 
 /// The view that is asked for, when it can be drawn: sizes the adapter has targets for, factor images among them.
-fn view(posed: &Posed, request: &FrameRequest, adapter: &Adapter<'_>) -> Result<View, FrameError> {
+fn view(snapshot: &SceneSnapshot, request: &FrameRequest, adapter: &Adapter<'_>) -> Result<View, FrameError> {
     let ([width, height], limit) = (request.size_px, adapter.max_size_px);
     if width == 0 || height == 0 || width > limit || height > limit {
         return Err(FrameError::Size { width, height, limit });
@@ -104,9 +104,9 @@ fn view(posed: &Posed, request: &FrameRequest, adapter: &Adapter<'_>) -> Result<
             limit,
         });
     }
-    let camera = request.camera.fitted_to(&posed.world_bounds);
+    let camera = request.camera.fitted_to(&snapshot.world_bounds);
     let frustum = camera.frustum(size_px);
-    let receiver_bounds = receiver_bounds(posed, &frustum);
+    let receiver_bounds = receiver_bounds(snapshot, &frustum);
     Ok(View { camera, size_px, receiver_bounds, frustum })
 }
 

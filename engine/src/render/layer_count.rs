@@ -8,7 +8,7 @@
 
 use glam::{DMat4, DVec4};
 
-use crate::scene::{Instance, Posed};
+use crate::scene::{Instance, SceneSnapshot};
 use crate::shadow::View;
 
 /// How far beyond its edges a triangle may cover a pixel's centre: its corners snap to 1/256 pixel, and more is lost in
@@ -16,14 +16,14 @@ use crate::shadow::View;
 const SNAP_PX: f64 = 1.0 / 64.0;
 
 /// The most transparent surfaces that lie one behind the other at any pixel; never less than there are.
-pub(super) fn most_layers(posed: &Posed, view: &View, parts: &[(u32, u32)]) -> u32 {
+pub(super) fn most_layers(snapshot: &SceneSnapshot, view: &View, parts: &[(u32, u32)]) -> u32 {
     let [width, height] = view.size_px.map(|n| n as usize);
     let mut rows = Rows { width, height, differences: vec![0; (width + 1) * height] };
     let aspect = width as f64 / height as f64;
     let clip_from_world =
         view.camera.projection.clip_from_view(aspect) * DMat4::from(view.camera.world_from_view.inverse());
     for (instance, part) in parts {
-        let instance = &posed.instances[*instance as usize];
+        let instance = &snapshot.instances[*instance as usize];
         rows.add_part(instance, *part as usize, &clip_from_world);
     }
     rows.most()

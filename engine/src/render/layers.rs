@@ -70,7 +70,7 @@ pub(super) fn plan(
     needs: &mut Needs,
     opaque: &ReceiverPasses,
 ) -> Result<Option<Layered>, FrameError> {
-    let lights = inputs.registry.lights.iter().zip(&inputs.posed.lights);
+    let lights = inputs.registry.lights.iter().zip(&inputs.snapshot.lights);
     let reaching = lights.filter(|(_, light)| light.may_reach(&inputs.view.receiver_bounds));
     let claims = reaching.flat_map(|(claims, _)| claims);
     let asks = claims.max_by_key(|claim| claim.technique.traits().receiver_layers);
@@ -138,14 +138,14 @@ fn plan_on(
 
 /// The most layers at any pixel of this view.
 fn layers_in_view(inputs: &Inputs<'_>) -> u32 {
-    let Inputs { posed, view, surfaces, cache, .. } = *inputs;
+    let Inputs { snapshot, view, surfaces, cache, .. } = *inputs;
     let worn = |(instance, part): &(u32, u32)| {
-        let instance = &posed.instances[*instance as usize];
+        let instance = &snapshot.instances[*instance as usize];
         (instance.pose_key, *part, instance.materials[*part as usize].double_sided)
     };
     let worn: Vec<_> = surfaces.transparent.iter().map(worn).collect();
     let key = hash_of(("layers", worn, format!("{:?}", view.camera), view.size_px));
-    *cache.get_or_compute("layers in view", key, || most_layers(posed, view, &surfaces.transparent))
+    *cache.get_or_compute("layers in view", key, || most_layers(snapshot, view, &surfaces.transparent))
 }
 
 /// Blends all layers over `picture`, from behind.

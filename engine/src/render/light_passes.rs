@@ -6,7 +6,7 @@ use super::lights::{NodePasses, ReceiverPasses};
 use super::request::FrameError;
 use super::resolve;
 use super::schedule::{Group, Inputs, Needs, Schedule, Scope};
-use crate::plan::{ALL_TAKEN, FactorAt, FactorPart, LightPlanned, Resource, SlotId};
+use crate::plan::{FULL_DARKENING, FactorAt, FactorPart, LightPlanned, Resource, SlotId};
 
 /// Adds the passes of all lights: what leaves each factor, an image of it where one was asked for, and what makes room for
 /// the next light. Says of every light where shading finds it.
@@ -25,7 +25,7 @@ pub(super) fn add<'p>(
     for (index, (light, nodes)) in factors.lights.iter().zip(&opaque.lights).enumerate() {
         let own_shadow = nodes.iter().any(decides_own_shadow);
         let mut images = Images { inputs, factors, light: index, own_shadow, image: None };
-        let name = &inputs.posed.lights[index].name;
+        let name = &inputs.snapshot.lights[index].name;
         if let Some(part) = &light.alone {
             schedule.push_group(part.group(scope, nodes, name)?);
             let mut group = Group::new(&Scope { visibility: part.layer, ..scope.clone() });
@@ -86,18 +86,18 @@ fn planned(
     nodes: &[NodePasses],
     (own_shadow, factor_image): (bool, Option<SlotId>),
 ) -> LightPlanned {
-    let part = |part: &Part| FactorPart { at: part.shaded_from(), taken: part.max_darkening };
+    let part = |part: &Part| FactorPart { at: part.shaded_from(), max_darkening: part.max_darkening };
     let mut shaded = light.shaded.iter().map(part).filter(|part| part.at != FactorAt::Lit);
     let darkens = light.once.is_some() || !light.after.is_empty();
     let lit = if darkens { FactorAt::Darkening } else { FactorAt::Lit };
-    let first = shaded.next().unwrap_or(FactorPart { at: lit, taken: ALL_TAKEN });
+    let first = shaded.next().unwrap_or(FactorPart { at: lit, max_darkening: FULL_DARKENING });
     let smooth = nodes.iter().flat_map(|node| &node.contribution.smooth_terminators);
     // A light that reaches nothing in view has no passes, of no technique.
     let claims = inputs.registry.lights[index].iter().filter(|_| !nodes.is_empty());
     LightPlanned {
-        name: inputs.posed.lights[index].name.clone(),
+        name: inputs.snapshot.lights[index].name.clone(),
         factor: first.at,
-        taken: first.taken,
+        max_darkening: first.max_darkening,
         more_factors: shaded.collect(),
         techniques: claims.map(|claim| claim.label.clone()).collect(),
         smooth_terminators: smooth.map(|instance| *instance as u32).collect(),

@@ -53,7 +53,7 @@ pub(super) fn plan(
     let mut lights = Vec::new();
     let mut once: Option<Once> = None;
     for (index, claims) in inputs.registry.lights.iter().enumerate() {
-        let light = &inputs.posed.lights[index];
+        let light = &inputs.snapshot.lights[index];
         let falls = match layer {
             None => true,
             Some(Layer::FromEye(0)) => inputs.registry.receiver_layers(index) >= Layers::First,
@@ -86,7 +86,7 @@ fn plan_light(
     (index, layer): (usize, Option<Layer>),
     once: &mut Option<Once>,
 ) -> Result<Vec<NodePasses>, FrameError> {
-    let (light, claims) = (&inputs.posed.lights[index], &inputs.registry.lights[index]);
+    let (light, claims) = (&inputs.snapshot.lights[index], &inputs.registry.lights[index]);
     let is_wide = |claim: &Claim| claim.light_size().is_wide(light.position);
     let has_size = claims.iter().any(is_wide);
     let mut nodes: Vec<NodePasses> = Vec::new();
@@ -100,7 +100,7 @@ fn plan_light(
         }
         let darkening = once.as_ref().map_or(0, |once| once.bound);
         let context = LightContext {
-            posed: inputs.posed,
+            snapshot: inputs.snapshot,
             view: inputs.view,
             features: inputs.adapter.features,
             adapter: inputs.adapter.name,
@@ -113,7 +113,7 @@ fn plan_light(
         };
         let visibility_is_touched = nodes.iter().any(|node| node.contribution.visibility.is_some());
         let mut out = PassList {
-            posed: inputs.posed,
+            snapshot: inputs.snapshot,
             slots: &mut needs.slots,
             notes: &mut needs.notes,
             passes: vec![],

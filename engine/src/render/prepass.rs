@@ -7,7 +7,7 @@ use crate::shadow::{DepthTarget, Draw, Geometry, Pass};
 /// Draws the depth of all opaque surfaces, where something needs it before shading; says whether it does.
 pub(super) fn add(inputs: &Inputs<'_>, schedule: &mut Schedule<'_>, shadowed: bool) -> bool {
     // Holes are cut before anything is shaded: what shades a pixel's samples at once cannot tell them apart.
-    let holes = inputs.is_multisampled() && inputs.surfaces.have_holes(inputs.posed);
+    let holes = inputs.is_multisampled() && inputs.surfaces.have_holes(inputs.snapshot);
     if !(shadowed || inputs.request.factors || holes) {
         return false;
     }

@@ -9,7 +9,7 @@ use super::frame::plan_frame;
 use super::request::{Adapter, FrameError, FrameRequest, PictureFormat};
 use crate::gpu::{Executed, Executor, FrameInputs, Gpu, GpuError, PassTime, Pixels, PixelsError, Timing};
 use crate::plan::{FramePlan, SlotId};
-use crate::scene::{Posed, Scene, SceneError};
+use crate::scene::{Scene, SceneError, SceneSnapshot};
 use crate::shadow::{Cache, Catalog, Registry, ShadowError};
 
 /// Why a frame was not rendered. Nothing is drawn in its place.
@@ -86,8 +86,8 @@ pub struct Renderer {
     executor: Executor,
     catalog: Catalog,
     cache: Cache,
-    /// The posed scene of one revision, with its shadow nodes by light.
-    posed: Option<(u64, Arc<Posed>, Arc<Registry>)>,
+    /// The scene's snapshot of one revision, with its shadow nodes by light.
+    snapshot: Option<(u64, Arc<SceneSnapshot>, Arc<Registry>)>,
     recoveries: u64,
 }
 
@@ -97,7 +97,7 @@ const RECOVERIES_A_FRAME: u32 = 3;
 impl Renderer {
     /// A renderer on `gpu` that knows the techniques of `catalog`.
     pub fn new(gpu: Gpu, catalog: Catalog) -> Self {
-        Self { executor: Executor::new(gpu), catalog, cache: Cache::new(), posed: None, recoveries: 0 }
+        Self { executor: Executor::new(gpu), catalog, cache: Cache::new(), snapshot: None, recoveries: 0 }
     }
 
     /// The device it runs on.
@@ -120,16 +120,16 @@ impl Renderer {
     ///
     /// # Errors
     /// What is wrong with the scene or its shadow nodes.
-    pub fn posed(&mut self, scene: &Scene) -> Result<(Arc<Posed>, Arc<Registry>), RenderError> {
-        if let Some((revision, posed, registry)) = &self.posed
+    pub fn snapshot(&mut self, scene: &Scene) -> Result<(Arc<SceneSnapshot>, Arc<Registry>), RenderError> {
+        if let Some((revision, snapshot, registry)) = &self.snapshot
             && *revision == scene.revision()
         {
-            return Ok((Arc::clone(posed), Arc::clone(registry)));
+            return Ok((Arc::clone(snapshot), Arc::clone(registry)));
         }
-        let posed = Arc::new(scene.pose()?);
-        let registry = Arc::new(Registry::collect(&posed, &self.catalog)?);
-        self.posed = Some((scene.revision(), Arc::clone(&posed), Arc::clone(&registry)));
-        Ok((posed, registry))
+        let snapshot = Arc::new(scene.snapshot()?);
+        let registry = Arc::new(Registry::collect(&snapshot, &self.catalog)?);
+        self.snapshot = Some((scene.revision(), Arc::clone(&snapshot), Arc::clone(&registry)));
+        Ok((snapshot, registry))
     }
 
     /// Plans a frame without executing it.
@@ -137,7 +137,7 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::render`], but for the device's own.
     pub fn plan(&mut self, scene: &Scene, request: &FrameRequest) -> Result<FramePlan, RenderError> {
-        let (posed, registry) = self.posed(scene)?;
+        let (snapshot, registry) = self.snapshot(scene)?;
         let gpu = self.executor.gpu();
         let name = gpu.name();
         let adapter = Adapter {
@@ -146,7 +146,7 @@ impl Renderer {
             max_size_px: gpu.limits.max_texture_dimension_2d,
             multisampled: &gpu.multisampled,
         };
-        Ok(plan_frame(&posed, &registry, request, &adapter, &self.cache)?)
+        Ok(plan_frame(&snapshot, &registry, request, &adapter, &self.cache)?)
     }
 
     /// Renders one frame and waits for it. A device that is lost, now or since the last frame, is replaced by another,
@@ -187,13 +187,13 @@ impl Renderer {
         options: &RenderOptions,
     ) -> Result<Frame, RenderError> {
         let plan = Arc::new(self.plan(scene, request)?);
-        let (posed, _) = self.posed(scene)?;
+        let (snapshot, _) = self.snapshot(scene)?;
         let wanted = wanted_slots(&plan, options.read_picture);
         let read_back: Vec<SlotId> = wanted.iter().map(|(slot, _)| *slot).collect();
         let inputs = FrameInputs {
-            posed: &posed,
-            camera: &request.camera.fitted_to(&posed.world_bounds),
-            exposure: options.exposure.factor(&posed),
+            snapshot: &snapshot,
+            camera: &request.camera.fitted_to(&snapshot.world_bounds),
+            exposure: options.exposure.factor(&snapshot),
             tone_map: request.picture == PictureFormat::Srgb8,
             timing: options.timing,
             read_back: &read_back,

@@ -6,7 +6,7 @@ use thiserror::Error;
 use wgpu::TextureFormat;
 
 use crate::plan::{Antialias, MULTISAMPLED_EVERYWHERE, ShaderError};
-use crate::scene::{PosedCamera, SurfaceFunctionError};
+use crate::scene::{CameraSnapshot, SurfaceFunctionError};
 use crate::shadow::ShadowError;
 
 /// Why a frame could not be planned.
@@ -72,7 +72,7 @@ pub enum PictureFormat {
 #[derive(Clone, Debug)]
 pub struct FrameRequest {
     /// From where.
-    pub camera: PosedCamera,
+    pub camera: CameraSnapshot,
     /// Width and height, in pixels.
     pub size_px: [u32; 2],
     /// The picture's format.
@@ -89,7 +89,7 @@ pub struct FrameRequest {
 
 impl FrameRequest {
     /// An sRGB picture of this size from `camera`, without antialiasing.
-    pub fn new(camera: PosedCamera, size_px: [u32; 2]) -> Self {
+    pub fn new(camera: CameraSnapshot, size_px: [u32; 2]) -> Self {
         Self {
             camera,
             size_px,

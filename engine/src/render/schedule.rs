@@ -5,13 +5,13 @@ use std::borrow::Cow;
 use super::request::{Adapter, FrameRequest};
 use super::surfaces::Surfaces;
 use crate::plan::{Antialias, DepthId, SlotId, Slots, TextureDesc, TextureFormat};
-use crate::scene::Posed;
+use crate::scene::SceneSnapshot;
 use crate::shadow::{Cache, Pass, Registry, View};
 
 /// What every stage of a frame looks at, and none changes.
 #[derive(Clone, Copy)]
 pub(super) struct Inputs<'a> {
-    pub(super) posed: &'a Posed,
+    pub(super) snapshot: &'a SceneSnapshot,
     pub(super) registry: &'a Registry,
     pub(super) request: &'a FrameRequest,
     pub(super) adapter: &'a Adapter<'a>,

@@ -9,7 +9,7 @@ use super::sorted::Sorted;
 use super::surface_functions;
 use crate::gpu::TintUniform;
 use crate::plan::{
-    ALL_TAKEN, Access, BlendState, BufferDesc, BufferUsage, CompareFunction, DrawState, FactorAt,
+    Access, BlendState, BufferDesc, BufferUsage, CompareFunction, DrawState, FULL_DARKENING, FactorAt,
     LightPlanned, Load, Resource, SlotId, SurfaceStyle, Symbol,
 };
 use crate::shadow::{Binding, ColorTarget, DepthTarget, Draw, Pass, hash_of};
@@ -32,7 +32,7 @@ pub(super) fn add(
     factors: &Factors,
     lights: &[LightPlanned],
 ) -> Result<(), FrameError> {
-    let background = inputs.posed.background.as_dvec3();
+    let background = inputs.snapshot.background.as_dvec3();
     let mut bindings = factor_bindings(inputs, needs, factors, lights);
     if inputs.is_multisampled() && !bindings.is_empty() {
         // Which samples show the fragment that is shaded: their factors are averaged.
@@ -51,7 +51,7 @@ pub(super) fn add(
         draws.extend(Sorted::all().draws(inputs));
         needs.note("blended surfaces are lit without shadows: factors are those of the opaque surface");
     }
-    needs.notes.extend(surface_functions::notes(inputs.posed, inputs.surfaces, lights));
+    needs.notes.extend(surface_functions::notes(inputs.snapshot, inputs.surfaces, lights));
     let reason = match lights.len() {
         0 => "ambient light only".to_owned(),
         1 => "the only light".into(),
@@ -62,7 +62,7 @@ pub(super) fn add(
         &Scope::default(),
         Pass {
             name: "shading".into(),
-            reason: reason + &surface_functions::reason(inputs.posed, inputs.surfaces),
+            reason: reason + &surface_functions::reason(inputs.snapshot, inputs.surfaces),
             colors: vec![ColorTarget::new(picture, load)],
             depth: Some(depth),
             draws,
@@ -99,7 +99,7 @@ pub(super) fn factor_bindings(
 /// What the picture loses where factors are 0, as `tints` of surface_shade: an entry for each light, and after them
 /// one for each further factor. `None` when shadows take everything, each light's in one factor.
 fn tints(needs: &mut Needs, lights: &[LightPlanned]) -> Option<SlotId> {
-    if lights.iter().all(|light| light.taken == ALL_TAKEN && light.more_factors.is_empty()) {
+    if lights.iter().all(|light| light.max_darkening == FULL_DARKENING && light.more_factors.is_empty()) {
         return None;
     }
     let (mut tints, mut further) = (Vec::new(), Vec::new());
@@ -110,7 +110,8 @@ fn tints(needs: &mut Needs, lights: &[LightPlanned]) -> Option<SlotId> {
             let [kind, index] = part.at.kind_and_index();
             // Each names the next; the last one none.
             let next = if at < count { first + at } else { 0 };
-            let tint = TintUniform { taken: part.taken, next, kind, index, pad_0: 0, pad_1: 0 };
+            let tint =
+                TintUniform { max_darkening: part.max_darkening, next, kind, index, pad_0: 0, pad_1: 0 };
             if at == 0 { tints.push(tint) } else { further.push(tint) }
         }
     }

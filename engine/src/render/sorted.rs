@@ -35,7 +35,7 @@ impl Sorted {
     /// Transparent surfaces far to near by their middles.
     pub(super) fn draws(&self, inputs: &Inputs<'_>) -> Vec<Draw> {
         let transmits = |&(instance, part): &(u32, u32)| {
-            inputs.posed.instances[instance as usize].materials[part as usize].transmission > 0.0
+            inputs.snapshot.instances[instance as usize].materials[part as usize].transmission > 0.0
         };
         let behind = self.behind.map(|depth| (9, Binding::Texture(depth.resource())));
         let draw = |name: &str, style, parts: &[(u32, u32)], blend| {

@@ -5,10 +5,10 @@ use glam::DVec3;
 use super::schedule::Inputs;
 use crate::math::Aabb;
 use crate::plan::{DrawState, PulledStyle, Shader, ShaderError, SurfaceStyle};
-use crate::scene::Posed;
+use crate::scene::SceneSnapshot;
 use crate::shadow::{Binding, Draw, Geometry, View};
 
-/// The visible parts of a posed scene, opaque and blended apart.
+/// The visible parts of a scene's snapshot, opaque and blended apart.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Surfaces {
     /// (instance, part), in drawing order.
@@ -24,13 +24,13 @@ pub(crate) struct Surfaces {
 }
 
 impl Surfaces {
-    /// The parts of `posed` that the camera may see.
-    pub(crate) fn of(posed: &Posed, view: &View) -> Self {
+    /// The parts of `snapshot` that the camera may see.
+    pub(crate) fn of(snapshot: &SceneSnapshot, view: &View) -> Self {
         let mut surfaces = Self::default();
         let mut blended: Vec<(f64, (u32, u32))> = Vec::new();
         let eye = view.camera.world_from_view.translation;
         let forward = view.camera.world_from_view.transform_vector3(DVec3::NEG_Z);
-        for (index, instance) in posed.instances.iter().enumerate() {
+        for (index, instance) in snapshot.instances.iter().enumerate() {
             if !view.frustum.may_see(&instance.world_bounds) {
                 surfaces.outside += 1;
                 continue;
@@ -58,15 +58,15 @@ impl Surfaces {
     }
 
     /// Whether an opaque surface in view has alpha-masked parts.
-    pub(super) fn have_holes(&self, posed: &Posed) -> bool {
-        self.opaque_instances.iter().any(|instance| posed.instances[*instance as usize].is_masked())
+    pub(super) fn have_holes(&self, snapshot: &SceneSnapshot) -> bool {
+        self.opaque_instances.iter().any(|instance| snapshot.instances[*instance as usize].is_masked())
     }
 }
 
 /// The vertices of `parts`.
-fn vertices(posed: &Posed, parts: &[(u32, u32)]) -> u64 {
+fn vertices(snapshot: &SceneSnapshot, parts: &[(u32, u32)]) -> u64 {
     let triangles = |&(instance, part): &(u32, u32)| {
-        posed.instances[instance as usize].mesh.data().parts[part as usize].triangles.len() as u64
+        snapshot.instances[instance as usize].mesh.data().parts[part as usize].triangles.len() as u64
     };
     parts.iter().map(triangles).sum::<u64>() * 3
 }
@@ -74,7 +74,7 @@ fn vertices(posed: &Posed, parts: &[(u32, u32)]) -> u64 {
 impl Inputs<'_> {
     /// `parts` in `style`.
     pub(super) fn shown(&self, style: SurfaceStyle, parts: &[(u32, u32)]) -> Geometry {
-        Geometry::Surfaces { style, parts: parts.to_vec(), vertices: vertices(self.posed, parts) }
+        Geometry::Surfaces { style, parts: parts.to_vec(), vertices: vertices(self.snapshot, parts) }
     }
 
     /// All opaque surfaces in `style`.
@@ -93,7 +93,7 @@ impl Inputs<'_> {
             shader,
             style,
             parts: parts.to_vec(),
-            vertices: vertices(self.posed, parts),
+            vertices: vertices(self.snapshot, parts),
         }
     }
 
@@ -107,7 +107,7 @@ impl Inputs<'_> {
         bindings: &[(u32, Binding)],
     ) -> Result<Vec<Draw>, ShaderError> {
         let is_masked = |&(instance, part): &(u32, u32)| {
-            self.posed.instances[instance as usize].materials[part as usize].cutoff().is_some()
+            self.snapshot.instances[instance as usize].materials[part as usize].cutoff().is_some()
         };
         let draw = |parts: &[(u32, u32)]| {
             // A mask without a texture reads a white one: no variant of its own.
@@ -126,7 +126,8 @@ impl Inputs<'_> {
 }
 
 /// The box around everything in view that may receive a shadow.
-pub(crate) fn receiver_bounds(posed: &Posed, frustum: &crate::math::ViewFrustum) -> Aabb {
-    let receiving = posed.instances.iter().filter(|i| i.shadow.receives && frustum.may_see(&i.world_bounds));
+pub(crate) fn receiver_bounds(snapshot: &SceneSnapshot, frustum: &crate::math::ViewFrustum) -> Aabb {
+    let receiving =
+        snapshot.instances.iter().filter(|i| i.shadow.receives && frustum.may_see(&i.world_bounds));
     receiving.fold(Aabb::EMPTY, |bounds, instance| bounds.union(&instance.world_bounds))
 }

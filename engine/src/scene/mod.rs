@@ -5,7 +5,7 @@
 //! parameters): what they do is looked up in a technique catalog when a frame is planned.
 //!
 //! Animations, skins and morph targets are data as well. Showing an animation at a moment sets transforms and weights;
-//! [`Scene::pose`] bends the meshes, so that all that comes after sees triangles at their places.
+//! [`Scene::snapshot`] bends the meshes, so that all that comes after sees triangles at their places.
 
 mod adding;
 mod animation;
@@ -14,8 +14,8 @@ mod deform;
 mod graph;
 mod material;
 mod playback;
-mod posed;
 mod skin;
+mod snapshot;
 mod surface_function;
 mod wgsl_names;
 
@@ -29,6 +29,6 @@ pub use graph::{
     ShadowKey, SkinKey,
 };
 pub use material::{AlphaMode, Image, Material, TexCoord, TextureRef, UvTransform, Wrap};
-pub use posed::{Instance, Posed, PosedCamera, PosedLight, PosedShadowNode};
 pub use skin::Skin;
+pub use snapshot::{CameraSnapshot, Instance, LightSnapshot, SceneSnapshot, ShadowNodeSnapshot};
 pub use surface_function::{SurfaceFunction, SurfaceFunctionError};

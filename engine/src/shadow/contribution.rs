@@ -119,6 +119,6 @@ impl Apply {
             Self::Light { weight, color } | Self::DarkenPicture { weight, color } => (weight, color),
             Self::DarkenOnce { .. } => (1.0, [0.0; 3]),
         };
-        crate::plan::taken(weight, color)
+        crate::plan::max_darkening(weight, color)
     }
 }

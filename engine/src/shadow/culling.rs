@@ -5,7 +5,7 @@ use glam::{DVec3, DVec4};
 
 use super::View;
 use crate::math::{Aabb, Plane};
-use crate::scene::PosedLight;
+use crate::scene::LightSnapshot;
 
 /// Whether a caster within `bounds` may shadow something in view; the reason when it certainly does not.
 ///
@@ -15,7 +15,7 @@ use crate::scene::PosedLight;
 ///
 /// # Errors
 /// The reason why it cannot matter.
-pub(super) fn may_shadow(view: &View, light: &PosedLight, bounds: &Aabb) -> Result<(), &'static str> {
+pub(super) fn may_shadow(view: &View, light: &LightSnapshot, bounds: &Aabb) -> Result<(), &'static str> {
     if bounds.is_empty() {
         return Err("has no vertices");
     }

@@ -2,13 +2,13 @@
 
 use super::{Apply, Cache, Claim, Layer, ShadowError, culling};
 use crate::math::{Aabb, ViewFrustum};
-use crate::scene::{Instance, Posed, PosedCamera, PosedLight};
+use crate::scene::{CameraSnapshot, Instance, LightSnapshot, SceneSnapshot};
 
 /// From where, and how large, the frame is seen.
 #[derive(Clone, Debug)]
 pub struct View {
     /// The camera.
-    pub camera: PosedCamera,
+    pub camera: CameraSnapshot,
     /// Width and height of the picture, in pixels.
     pub size_px: [u32; 2],
     /// What the camera sees.
@@ -25,7 +25,7 @@ pub const MAX_SMOOTH_LIGHTS: usize = 32;
 #[derive(Clone, Copy, Debug)]
 pub struct LightContext<'a> {
     /// The scene.
-    pub posed: &'a Posed,
+    pub snapshot: &'a SceneSnapshot,
     /// The view.
     pub view: &'a View,
     /// What the adapter can do.
@@ -52,11 +52,11 @@ pub(crate) struct CountsBefore {
 
 impl<'a> LightContext<'a> {
     /// The light.
-    pub fn light(&self) -> &'a PosedLight {
-        &self.posed.lights[self.light_index]
+    pub fn light(&self) -> &'a LightSnapshot {
+        &self.snapshot.lights[self.light_index]
     }
 
-    /// The light's number: its place in [`Posed::lights`] and in the `lights` of `common/lights`.
+    /// The light's number: its place in [`SceneSnapshot::lights`] and in the `lights` of `common/lights`.
     pub fn light_index(&self) -> usize {
         self.light_index
     }
@@ -66,16 +66,16 @@ impl<'a> LightContext<'a> {
         &self.claim.node
     }
 
-    /// The casters: (index into [`Posed::instances`], instance).
+    /// The casters: (index into [`SceneSnapshot::instances`], instance).
     pub fn casters(&self) -> impl Iterator<Item = (usize, &'a Instance)> + use<'a> {
-        let posed = self.posed;
-        self.claim.casters.iter().map(move |index| (*index, &posed.instances[*index]))
+        let snapshot = self.snapshot;
+        self.claim.casters.iter().map(move |index| (*index, &snapshot.instances[*index]))
     }
 
-    /// The receivers the node names: (index into [`Posed::instances`], instance).
+    /// The receivers the node names: (index into [`SceneSnapshot::instances`], instance).
     pub fn receivers(&self) -> impl Iterator<Item = (usize, &'a Instance)> + use<'a> {
-        let posed = self.posed;
-        self.claim.receivers.iter().map(move |index| (*index, &posed.instances[*index]))
+        let snapshot = self.snapshot;
+        self.claim.receivers.iter().map(move |index| (*index, &snapshot.instances[*index]))
     }
 
     /// Whether a caster within `bounds` may shadow something in view; the reason when it certainly does not.

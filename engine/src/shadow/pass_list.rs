@@ -1,7 +1,7 @@
 //! Where a technique writes its passes, and asks for the textures and buffers they need.
 
 use crate::plan::{self, BufferDesc, Resource, Slots, Symbol, TextureDesc};
-use crate::scene::{ImageKey, Posed};
+use crate::scene::{ImageKey, SceneSnapshot};
 
 /// A pass as it is planned.
 pub type Pass = plan::Pass<Resource>;
@@ -19,7 +19,7 @@ pub type DepthTarget = plan::DepthTarget<Resource>;
 /// The passes of one node for one light on one set of receivers, in the making.
 #[derive(Debug)]
 pub struct PassList<'a> {
-    pub(crate) posed: &'a Posed,
+    pub(crate) snapshot: &'a SceneSnapshot,
     pub(crate) slots: &'a mut Slots,
     pub(crate) notes: &'a mut Vec<String>,
     pub(crate) passes: Vec<Pass>,
@@ -45,7 +45,7 @@ impl PassList<'_> {
 
     /// An image of the scene, for [`Binding::Texture`].
     pub fn image(&mut self, image: ImageKey, reason: &str) -> Resource {
-        let name = self.posed.images.get(&image).map_or("image", |image| &image.name);
+        let name = self.snapshot.images.get(&image).map_or("image", |image| &image.name);
         self.slots.image(name, image, reason).into()
     }
 

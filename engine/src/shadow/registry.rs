@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::{Catalog, Layers, LightSize, ShadowError, ShadowTechnique};
-use crate::scene::{Params, Posed};
+use crate::scene::{Params, SceneSnapshot};
 
 /// What one node casts for one light.
 #[derive(Clone, Debug)]
@@ -17,9 +17,9 @@ pub struct Claim {
     pub type_name: &'static str,
     /// The technique's type name, and after it every option that is not at its default.
     pub label: String,
-    /// Indices into [`Posed::instances`], ascending; none is claimed twice for the same light.
+    /// Indices into [`SceneSnapshot::instances`], ascending; none is claimed twice for the same light.
     pub casters: Vec<usize>,
-    /// Indices into [`Posed::instances`], ascending.
+    /// Indices into [`SceneSnapshot::instances`], ascending.
     pub receivers: Vec<usize>,
 }
 
@@ -33,28 +33,28 @@ impl Claim {
 /// All claims of a scene, by light.
 #[derive(Clone, Debug)]
 pub struct Registry {
-    /// One entry for each of [`Posed::lights`]; empty where no node serves the light.
+    /// One entry for each of [`SceneSnapshot::lights`]; empty where no node serves the light.
     pub lights: Vec<Vec<Claim>>,
     /// What was left out, and why.
     pub notes: Vec<String>,
 }
 
 impl Registry {
-    /// Collects every shadow node of `posed`.
+    /// Collects every shadow node of `snapshot`.
     ///
     /// # Errors
     /// Unknown techniques and options, refused casters, and casters that two techniques, or one with two sets of
     /// options, claim for one light.
-    pub fn collect(posed: &Posed, catalog: &Catalog) -> Result<Self, ShadowError> {
-        let mut registry = Self { lights: vec![Vec::new(); posed.lights.len()], notes: Vec::new() };
+    pub fn collect(snapshot: &SceneSnapshot, catalog: &Catalog) -> Result<Self, ShadowError> {
+        let mut registry = Self { lights: vec![Vec::new(); snapshot.lights.len()], notes: Vec::new() };
         // For each light, which claim already has which caster.
-        let mut taken: Vec<HashMap<usize, usize>> = vec![HashMap::new(); posed.lights.len()];
-        for node in &posed.shadow_nodes {
+        let mut taken: Vec<HashMap<usize, usize>> = vec![HashMap::new(); snapshot.lights.len()];
+        for node in &snapshot.shadow_nodes {
             let (type_name, technique) = catalog.technique(&node.name, &node.shadow)?;
             let (label, traits) = (label(catalog, type_name, technique.as_ref()), technique.traits());
             let mut casters = Vec::new();
             for &index in &node.casters {
-                let instance = &posed.instances[index];
+                let instance = &snapshot.instances[index];
                 let casts = technique.casts(instance).map_err(|reason| ShadowError::CasterRefused {
                     node: node.name.clone(),
                     technique: type_name,
@@ -71,7 +71,7 @@ impl Registry {
                 }
             }
             let named = node.receivers.iter().filter(|_| traits.shades_receivers_only);
-            for instance in named.map(|index| &posed.instances[*index]) {
+            for instance in named.map(|index| &snapshot.instances[*index]) {
                 technique.receives(instance).map_err(|reason| ShadowError::ReceiverRefused {
                     node: node.name.clone(),
                     technique: type_name,
@@ -89,8 +89,8 @@ impl Registry {
                         Some(&first) if claims[first].label == label => {}
                         Some(&first) if claims[first].type_name == type_name => {
                             return Err(ShadowError::OptionsDiffer {
-                                light: posed.lights[light].name.clone(),
-                                caster: posed.instances[caster].name.clone(),
+                                light: snapshot.lights[light].name.clone(),
+                                caster: snapshot.instances[caster].name.clone(),
                                 first: claims[first].node.clone(),
                                 first_options: claims[first].label.clone(),
                                 second: node.name.clone(),
@@ -99,8 +99,8 @@ impl Registry {
                         }
                         Some(&first) => {
                             return Err(ShadowError::ClaimedTwice {
-                                light: posed.lights[light].name.clone(),
-                                caster: posed.instances[caster].name.clone(),
+                                light: snapshot.lights[light].name.clone(),
+                                caster: snapshot.instances[caster].name.clone(),
                                 first: claims[first].node.clone(),
                                 first_technique: claims[first].type_name,
                                 second: node.name.clone(),

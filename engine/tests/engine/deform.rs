@@ -63,7 +63,7 @@ fn mesh_node(scene: &mut Scene, node: NodeKey) -> &mut MeshNode {
 }
 
 fn only(scene: &Scene) -> Instance {
-    scene.pose().unwrap().instances.remove(0)
+    scene.snapshot().unwrap().instances.remove(0)
 }
 
 #[track_caller]
@@ -163,7 +163,7 @@ fn morph_targets_come_before_joints() {
         [(vec![1.0], "1 weights are set, but it has 2"), (vec![0.0, f64::NAN], "target 1 is not finite")]
     {
         mesh_node(&mut scene, node).weights = weights;
-        let error = scene.pose().unwrap_err().to_string();
+        let error = scene.snapshot().unwrap_err().to_string();
         assert!(error.contains("'bar'") && error.contains(says), "{error}");
     }
 }
@@ -280,14 +280,14 @@ fn bad_skins_and_poses_are_named() {
 
     let one = scene.add_skin(Skin::new("one", vec![lower], vec![])).unwrap();
     mesh_node(&mut scene, node).skin = Some(one);
-    let error = scene.pose().unwrap_err().to_string();
+    let error = scene.snapshot().unwrap_err().to_string();
     assert!(error.contains("names joint 1") && error.contains("the skin has 1"), "{error}");
 
     scene.node_mut(upper).unwrap().parent_from_local = DAffine3::from_translation(DVec3::splat(1e30));
     mesh_node(&mut scene, node).skin = Some(flat);
-    assert!(matches!(scene.pose(), Err(SceneError::BadTransform { node }) if node == "upper"));
+    assert!(matches!(scene.snapshot(), Err(SceneError::BadTransform { node }) if node == "upper"));
     scene.remove(upper).unwrap();
-    assert!(matches!(scene.pose(), Err(SceneError::Missing { what: "joint", .. })));
+    assert!(matches!(scene.snapshot(), Err(SceneError::Missing { what: "joint", .. })));
 
     let plain = scene.add_mesh(
         Mesh::new(MeshData { influences: vec![], ..bar(halves) }).unwrap(),
@@ -296,7 +296,7 @@ fn bad_skins_and_poses_are_named() {
     );
     scene.remove(node).unwrap();
     mesh_node(&mut scene, plain).skin = Some(one);
-    assert!(scene.pose().unwrap_err().to_string().contains("no vertex names a joint"));
+    assert!(scene.snapshot().unwrap_err().to_string().contains("no vertex names a joint"));
     scene.remove(plain).unwrap();
     scene.remove_unused();
     assert_eq!(scene.skins().count(), 0);

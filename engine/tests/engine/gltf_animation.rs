@@ -156,8 +156,8 @@ fn the_fox_stands_where_a_second_evaluation_says() {
     for (animation, (key, name, duration_s)) in clips.iter().enumerate() {
         for seconds in [0.0, 0.31 * duration_s, 0.5 * duration_s, *duration_s, duration_s + 9.0] {
             scene.animate(*key, seconds).unwrap();
-            let posed = scene.pose().unwrap();
-            let fox = posed.instances.iter().find(|instance| instance.name == "fox").unwrap();
+            let snapshot = scene.snapshot().unwrap();
+            let fox = snapshot.instances.iter().find(|instance| instance.name == "fox").unwrap();
             let wanted = parts.skinned(animation, seconds);
             assert_eq!(wanted.len(), fox.mesh.positions().len());
             // f32 vertices of a fox a hundred units long, stored about its middle.
@@ -250,10 +250,10 @@ fn rich() -> Scene {
     scene
 }
 
-/// What a posed scene says of its shapes.
+/// What a scene's snapshot says of its shapes.
 fn shapes(scene: &Scene) -> String {
-    let posed = scene.pose().unwrap();
-    posed
+    let snapshot = scene.snapshot().unwrap();
+    snapshot
         .instances
         .iter()
         .map(|i| format!("{} {:?} {:?}\n", i.name, i.world_from_local, i.mesh.data()))

@@ -72,14 +72,14 @@ macro_rules! refused {
 #[test]
 fn the_document_loads() {
     let loaded = load(&document()).unwrap();
-    let posed = loaded.scene.pose().unwrap();
-    assert_eq!((posed.instances.len(), posed.lights.len(), posed.cameras.len()), (1, 1, 1));
-    assert_eq!(posed.instances[0].mesh.triangle_count(), 2);
+    let snapshot = loaded.scene.snapshot().unwrap();
+    assert_eq!((snapshot.instances.len(), snapshot.lights.len(), snapshot.cameras.len()), (1, 1, 1));
+    assert_eq!(snapshot.instances[0].mesh.triangle_count(), 2);
     // No normals: flat ones, on vertices of their own.
-    assert_eq!(posed.instances[0].mesh.positions().len(), 6);
-    assert_eq!(posed.lights[0].name, "lamp");
-    assert!(!posed.lights[0].light.casts_shadows);
-    assert!(matches!(posed.lights[0].light.kind, LightKind::Spot { outer_rad: 0.5, inner_rad: 0.0 }));
+    assert_eq!(snapshot.instances[0].mesh.positions().len(), 6);
+    assert_eq!(snapshot.lights[0].name, "lamp");
+    assert!(!snapshot.lights[0].light.casts_shadows);
+    assert!(matches!(snapshot.lights[0].light.kind, LightKind::Spot { outer_rad: 0.5, inner_rad: 0.0 }));
     assert_eq!(loaded.node_keys.iter().filter(|key| key.is_some()).count(), 4);
     assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
 }
@@ -259,8 +259,8 @@ fn one_node_may_carry_several_things() {
     assert!(matches!(node.content, Content::Mesh(_)));
     // A light, a camera, a shadow node and the child that was there before.
     assert_eq!(node.children().len(), 4);
-    let posed = loaded.scene.pose().unwrap();
-    assert_eq!((posed.lights.len(), posed.cameras.len(), posed.shadow_nodes.len()), (2, 2, 1));
+    let snapshot = loaded.scene.snapshot().unwrap();
+    assert_eq!((snapshot.lights.len(), snapshot.cameras.len(), snapshot.shadow_nodes.len()), (2, 2, 1));
 }
 
 #[test]

@@ -10,8 +10,8 @@ use shadowgraph_engine::gltf;
 fn the_document_itself_is_valid() {
     let loaded = gltf::load_slice(document().to_string().as_bytes(), None).unwrap();
     assert_eq!((loaded.warnings, loaded.remarks), (vec![], vec![]));
-    let posed = loaded.scene.pose().unwrap();
-    assert_eq!((posed.instances.len(), posed.lights.len(), posed.cameras.len()), (2, 1, 1));
+    let snapshot = loaded.scene.snapshot().unwrap();
+    assert_eq!((snapshot.instances.len(), snapshot.lights.len(), snapshot.cameras.len()), (2, 1, 1));
 }
 
 #[test]

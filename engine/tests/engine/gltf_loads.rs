@@ -55,9 +55,9 @@ fn deep_chains_with_lists_and_joints_take_no_longer_than_wide_ones() {
     document["nodes"][3]["extensions"]["SHADOWGRAPH_shadow_node"]["casters"] = casters.into();
     let started = std::time::Instant::now();
     let loaded = load(&document).unwrap();
-    let posed = loaded.scene.pose().unwrap();
-    assert_eq!((posed.instances.len(), posed.shadow_nodes[0].casters.len()), (3, 1));
-    let deepest = posed.instances.iter().find(|instance| instance.name == format!("node {last}")).unwrap();
+    let snapshot = loaded.scene.snapshot().unwrap();
+    assert_eq!((snapshot.instances.len(), snapshot.shadow_nodes[0].casters.len()), (3, 1));
+    let deepest = snapshot.instances.iter().find(|instance| instance.name == format!("node {last}")).unwrap();
     assert!((deepest.world_from_local.translation.y - 0.6).abs() < 1e-9);
     assert!(started.elapsed().as_secs() < 20, "{:?}", started.elapsed());
 }
@@ -154,19 +154,21 @@ fn packed_indices_and_filters_are_unpacked() {
         .unwrap()
         .push(json!({ "primitives": [{ "attributes": { "POSITION": 5, "NORMAL": 2 } , "mode": 5 }] }));
     let loaded = load(&document).unwrap();
-    let posed = loaded.scene.pose().unwrap();
-    assert_eq!(posed.instances[0].mesh.triangle_count(), 25);
+    let snapshot = loaded.scene.snapshot().unwrap();
+    assert_eq!(snapshot.instances[0].mesh.triangle_count(), 25);
     let places: Vec<[f64; 3]> =
-        posed.instances[..2].iter().map(|i| i.world_from_local.translation.to_array()).collect();
+        snapshot.instances[..2].iter().map(|i| i.world_from_local.translation.to_array()).collect();
     assert_eq!(places[0], [1.5, -0.25, 1000.0]);
     assert!((places[1][0] - 3e-5).abs() < 1e-9 && places[1][2] == -7.0, "{places:?}");
-    let turned: Vec<glam::DQuat> =
-        posed.instances[2..5].iter().map(|i| i.world_from_local.to_scale_rotation_translation().1).collect();
+    let turned: Vec<glam::DQuat> = snapshot.instances[2..5]
+        .iter()
+        .map(|i| i.world_from_local.to_scale_rotation_translation().1)
+        .collect();
     for (found, wanted) in turned.iter().zip([[0.5; 4], [0.0, 0.0, 0.0, 1.0], [0.8, 0.0, 0.6, 0.0]]) {
         let wanted = glam::DQuat::from_array(wanted);
         assert!(found.dot(wanted).abs() > 1.0 - 1e-8, "{found} is not {wanted}");
     }
-    let normals: Vec<Vec3> = posed.instances[5].mesh.data().normals.clone();
+    let normals: Vec<Vec3> = snapshot.instances[5].mesh.data().normals.clone();
     let wanted = [[0.0, 0.0, 1.0], [0.6, 0.0, -0.8], [0.0, -1.0, 0.0], [0.6, 0.48, 0.64]].map(Vec3::from);
     assert!(normals.iter().zip(wanted).all(|(found, wanted)| found.distance(wanted) < 0.01), "{normals:?}");
 }

@@ -52,8 +52,8 @@ fn small_integers_bend_as_floats_do() {
     let mut loaded = load(&document(|_| {})).unwrap();
     assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
     let at = |scene: &Scene| {
-        let posed = scene.pose().unwrap();
-        [0, 1, 2].map(|vertex| posed.instances[0].world_position(vertex))
+        let snapshot = scene.snapshot().unwrap();
+        [0, 1, 2].map(|vertex| snapshot.instances[0].world_position(vertex))
     };
     let near = |got: [DVec3; 3], wanted: [[f64; 3]; 3]| {
         got.iter().zip(wanted).all(|(got, wanted)| (*got - DVec3::from(wanted)).length() < 1e-6)
@@ -144,7 +144,7 @@ fn what_is_left_out_is_said() {
             "{text}: {:?}",
             loaded.warnings
         );
-        loaded.scene.pose().unwrap();
+        loaded.scene.snapshot().unwrap();
     };
     warned("no vertex names a joint", &|d| {
         d["meshes"][0]["primitives"][0]["attributes"] = json!({ "POSITION": 0 });
@@ -196,7 +196,7 @@ fn morph_targets_may_be_sparse_and_quantised() {
             .collect()
     };
     assert_eq!(names(&loaded.scene), ["up", "out"]);
-    let bent = loaded.scene.pose().unwrap().instances.remove(0);
+    let bent = loaded.scene.snapshot().unwrap().instances.remove(0);
     let rest = [DVec3::ZERO, DVec3::X, DVec3::Y];
     let up = [DVec3::ZERO, DVec3::Y * 3.0, DVec3::ZERO];
     let out = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]].map(DVec3::from);
@@ -225,8 +225,8 @@ fn instanced(change: impl FnOnce(&mut Value)) -> Value {
 fn instances_become_nodes_that_share_a_mesh() {
     let loaded = load(&instanced(|_| {})).unwrap();
     assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
-    let posed = loaded.scene.pose().unwrap();
-    let places: Vec<_> = posed
+    let snapshot = loaded.scene.snapshot().unwrap();
+    let places: Vec<_> = snapshot
         .instances
         .iter()
         .map(|i| (i.name.as_str(), i.world_from_local.translation.to_array()))
@@ -235,10 +235,10 @@ fn instances_become_nodes_that_share_a_mesh() {
         places,
         [("leaf[0]", [2.0, 0.0, 7.0]), ("leaf[1]", [0.0, 3.0, 7.0]), ("leaf[2]", [0.0, 0.0, 11.0])]
     );
-    assert!(posed.instances.iter().all(|i| i.mesh.id() == posed.instances[0].mesh.id()));
+    assert!(snapshot.instances.iter().all(|i| i.mesh.id() == snapshot.instances[0].mesh.id()));
     // Saved as the nodes they are.
     let again = gltf::load_slice(&gltf::to_glb(&loaded.scene).unwrap().bytes, None).unwrap();
-    assert_eq!((again.scene.meshes().count(), again.scene.pose().unwrap().instances.len()), (1, 3));
+    assert_eq!((again.scene.meshes().count(), again.scene.snapshot().unwrap().instances.len()), (1, 3));
 
     let refused = |attributes: Value, names: &[&str]| {
         let change =
@@ -271,8 +271,8 @@ fn instances_become_nodes_that_share_a_mesh() {
 #[test]
 fn shadow_flags_of_nodes_meshes_primitives_and_lights() {
     let flags = |change: &dyn Fn(&mut Value)| {
-        let posed = load(&document(|d| change(d))).unwrap().scene.pose().unwrap();
-        let shadow = posed.instances[0].shadow;
+        let snapshot = load(&document(|d| change(d))).unwrap().scene.snapshot().unwrap();
+        let shadow = snapshot.instances[0].shadow;
         (shadow.casts, shadow.receives)
     };
     let extension = |value: Value| json!({ "KHR_lights_shadows": value });

@@ -260,7 +260,7 @@ fn mutated_files_neither_panic_nor_hang() {
         [webp(), instanced(), crate::kinds::packed()].map(|document| document.to_string().into_bytes());
     let seeds: Vec<Vec<u8>> = [saved(), moving(), handwritten()].into_iter().chain(documents).collect();
     for seed in &seeds {
-        gltf::load_slice(seed, None).unwrap().scene.pose().unwrap();
+        gltf::load_slice(seed, None).unwrap().scene.snapshot().unwrap();
     }
     let (mut loaded, mut slowest) = (0_u64, Duration::ZERO);
     for input in 0..inputs {
@@ -288,7 +288,7 @@ fn mutated_files_neither_panic_nor_hang() {
             // What loads can be posed or refused at any time, and saved or refused, without a panic.
             for seconds in [0.0, 0.7, 1e9] {
                 let _ = scene.scene.animate_all(seconds);
-                let _ = scene.scene.pose();
+                let _ = scene.scene.snapshot();
             }
             let _ = gltf::to_glb(&scene.scene);
         }

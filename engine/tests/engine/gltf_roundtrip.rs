@@ -7,8 +7,8 @@ use shadowgraph_engine::geometry::{Mesh, MeshData, Part};
 use shadowgraph_engine::gltf::{self, GltfError};
 use shadowgraph_engine::math::Projection;
 use shadowgraph_engine::scene::{
-    AlphaMode, Camera, Content, Image, Light, LightKind, Material, MeshNode, NodeKey, ParamValue, Posed,
-    Scene, Scope, ShadowFlags, ShadowNode, TextureRef, UvTransform, Wrap, placed,
+    AlphaMode, Camera, Content, Image, Light, LightKind, Material, MeshNode, NodeKey, ParamValue, Scene,
+    SceneSnapshot, Scope, ShadowFlags, ShadowNode, TextureRef, UvTransform, Wrap, placed,
 };
 
 /// A tetrahedron in two parts.
@@ -126,10 +126,18 @@ fn described_material(scene: &Scene, material: &Material) -> String {
     format!("{text}{scales:?} {plain:?}\n")
 }
 
-/// What a posed scene says, without the keys and identities that differ from scene to scene.
+/// What a scene's snapshot says, without the keys and identities that differ from scene to scene.
 fn described(scene: &Scene) -> String {
-    let Posed { instances, lights, cameras, shadow_nodes, world_bounds, images: _, ambient, background } =
-        scene.pose().unwrap();
+    let SceneSnapshot {
+        instances,
+        lights,
+        cameras,
+        shadow_nodes,
+        world_bounds,
+        images: _,
+        ambient,
+        background,
+    } = scene.snapshot().unwrap();
     let mut text = format!("{world_bounds:?} {ambient:?} {background:?}\n");
     for i in instances {
         let mut data = i.mesh.data().clone();

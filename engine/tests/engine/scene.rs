@@ -37,13 +37,13 @@ fn transforms_of_every_kind_compose_down_the_tree() {
     let expected = turned.transform_point3(mirrored.transform_point3(sheared.transform_point3(p)));
     let world = scene.world_from_local(leaf).unwrap();
     assert!(world.transform_point3(p).distance(expected) < 1e-15);
-    let posed = scene.pose().unwrap();
-    assert_eq!(posed.instances[0].world_from_local, world);
+    let snapshot = scene.snapshot().unwrap();
+    assert_eq!(snapshot.instances[0].world_from_local, world);
     // The box around it is the box around its transformed vertices, not around a transformed box.
-    let vertices =
-        (0..posed.instances[0].mesh.positions().len() as u32).map(|v| posed.instances[0].world_position(v));
+    let vertices = (0..snapshot.instances[0].mesh.positions().len() as u32)
+        .map(|v| snapshot.instances[0].world_position(v));
     let (low, high) = vertices.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
-    assert_eq!((posed.world_bounds.min, posed.world_bounds.max), (low, high));
+    assert_eq!((snapshot.world_bounds.min, snapshot.world_bounds.max), (low, high));
 }
 
 #[test]
@@ -53,8 +53,8 @@ fn singular_transforms_flatten_without_a_nan() {
     {
         let mut scene = Scene::new();
         add_cube(&mut scene, None, "flat", moved(3.0, 2.0, 1.0) * DAffine3::from_scale(scale));
-        let posed = scene.pose().unwrap();
-        let instance = &posed.instances[0];
+        let snapshot = scene.snapshot().unwrap();
+        let instance = &snapshot.instances[0];
         assert!(instance.world_from_local.inverse().is_finite(), "{scale}");
         let expected = moved(3.0, 2.0, 1.0).transform_point3(scale * 0.5);
         let nearest =
@@ -96,12 +96,12 @@ fn removal_takes_the_subtree_and_leaves_typed_errors() {
     assert_eq!(scene.meshes().count(), 2);
     scene.remove_unused();
     assert_eq!(scene.meshes().count(), 1);
-    assert_eq!(scene.pose().unwrap().instances.len(), 1);
+    assert_eq!(scene.snapshot().unwrap().instances.len(), 1);
     // A node whose mesh was taken away is named.
     if let Content::Mesh(content) = &mut scene.node_mut(other).unwrap().content {
         content.mesh = Default::default();
     }
-    assert!(scene.pose().unwrap_err().to_string().contains("'other'"));
+    assert!(scene.snapshot().unwrap_err().to_string().contains("'other'"));
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn every_change_is_a_new_revision_and_looking_is_none() {
     let node = add_cube(&mut scene, None, "cube", DAffine3::IDENTITY);
     let light = scene.add_light(Light::point("lamp", 1.0), DVec3::Y, DVec3::ZERO);
     let mut last = scene.revision();
-    let _ = (scene.pose().unwrap(), scene.find("cube"), scene.world_from_local(node));
+    let _ = (scene.snapshot().unwrap(), scene.find("cube"), scene.world_from_local(node));
     assert_eq!(scene.revision(), last);
     let copy = scene.clone();
     assert_eq!(copy.revision(), last, "a copy is the same scene until it changes");
@@ -144,8 +144,8 @@ fn shadow_nodes_reach_what_their_scopes_name() {
         "some",
         ShadowNode::new("Any").with_lights([lamp]).with_casters([group]).with_receivers([wall]),
     );
-    let posed = scene.pose().unwrap();
-    let [all, some] = &posed.shadow_nodes[..] else { panic!("two shadow nodes") };
+    let snapshot = scene.snapshot().unwrap();
+    let [all, some] = &snapshot.shadow_nodes[..] else { panic!("two shadow nodes") };
     assert_eq!((&all.lights[..], &all.casters[..]), (&[0, 1][..], &[0, 1][..]));
     assert_eq!((&some.lights[..], &some.casters[..], &some.receivers[..]), (&[0][..], &[0][..], &[1][..]));
     // Flags and visibility take things out of every scope.
@@ -155,9 +155,9 @@ fn shadow_nodes_reach_what_their_scopes_name() {
     let sun = scene.lights().find(|(_, light)| light.name == "sun").unwrap().0;
     scene.light_mut(sun).unwrap().casts_shadows = false;
     scene.node_mut(wall).unwrap().visible = false;
-    let posed = scene.pose().unwrap();
-    assert_eq!(posed.instances.len(), 1);
-    assert_eq!((&posed.shadow_nodes[0].lights[..], posed.shadow_nodes[0].casters.len()), (&[0][..], 0));
+    let snapshot = scene.snapshot().unwrap();
+    assert_eq!(snapshot.instances.len(), 1);
+    assert_eq!((&snapshot.shadow_nodes[0].lights[..], snapshot.shadow_nodes[0].casters.len()), (&[0][..], 0));
 }
 
 #[test]
@@ -168,15 +168,15 @@ fn lights_and_cameras_pose_as_their_nodes_stand() {
     scene.add_light(Light::point("a_b", 1.0), DVec3::Z, DVec3::ZERO);
     scene.add_light(Light::point("", 1.0), DVec3::Z, DVec3::ZERO);
     scene.add_camera(Camera::perspective("eye", 1.0), DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO);
-    let posed = scene.pose().unwrap();
-    assert!((posed.lights[0].position - DVec4::Y).length() < 1e-15);
-    assert!((posed.lights[1].direction - DVec3::NEG_X).length() < 1e-15);
-    assert!(posed.lights[1].reaches(DVec3::new(0.1, 0.0, 0.0)));
-    assert!(!posed.lights[1].reaches(DVec3::new(-1.5, 0.0, 0.0)), "beyond the range");
-    assert!(!posed.lights[1].reaches(DVec3::new(0.9, 0.5, 0.0)), "outside the cone");
-    let names: Vec<&str> = posed.lights.iter().map(|light| light.name.as_str()).collect();
+    let snapshot = scene.snapshot().unwrap();
+    assert!((snapshot.lights[0].position - DVec4::Y).length() < 1e-15);
+    assert!((snapshot.lights[1].direction - DVec3::NEG_X).length() < 1e-15);
+    assert!(snapshot.lights[1].reaches(DVec3::new(0.1, 0.0, 0.0)));
+    assert!(!snapshot.lights[1].reaches(DVec3::new(-1.5, 0.0, 0.0)), "beyond the range");
+    assert!(!snapshot.lights[1].reaches(DVec3::new(0.9, 0.5, 0.0)), "outside the cone");
+    let names: Vec<&str> = snapshot.lights.iter().map(|light| light.name.as_str()).collect();
     assert_eq!(names, ["sun", "a_b", "a_b_2", "light3"], "plain file names, none twice");
-    assert_eq!(posed.cameras[0].world_from_view.translation, DVec3::new(0.0, 0.0, 4.0));
+    assert_eq!(snapshot.cameras[0].world_from_view.translation, DVec3::new(0.0, 0.0, 4.0));
 }
 
 #[test]
@@ -184,7 +184,7 @@ fn what_cannot_be_is_refused_by_name() {
     let refused = |change: fn(&mut Scene)| {
         let mut scene = Scene::new();
         change(&mut scene);
-        scene.pose().unwrap_err().to_string()
+        scene.snapshot().unwrap_err().to_string()
     };
     let error = refused(|scene| {
         scene.add(None, "broken", moved(f64::NAN, 0.0, 0.0), Content::Group);

@@ -38,7 +38,7 @@ mod transforms;
 
 use shadowgraph_engine::plan::Antialias;
 use shadowgraph_engine::render::FrameRequest;
-use shadowgraph_engine::scene::{Params, PosedCamera, Scene};
+use shadowgraph_engine::scene::{CameraSnapshot, Params, Scene};
 use shadowgraph_engine::shadow::{OptionError, ShadowTechnique, TechniqueEntry};
 
 use shadowgraph_engine::shadow::receivers_for;
@@ -108,7 +108,7 @@ pub struct Case {
     /// The scene. Of its shadow nodes the first is the one that techniques are put into; others stay what they are.
     pub scene: Scene,
     /// The camera that sees the problem.
-    pub camera: PosedCamera,
+    pub camera: CameraSnapshot,
     /// The frame's size.
     pub size_px: [u32; 2],
     /// How its edges are smoothed.
@@ -151,7 +151,8 @@ impl Case {
         let own = own.map(|(name, value)| (name.clone(), value.clone()));
         let params: Params = params.clone().into_iter().chain(own).collect();
         let mut scene = self.scene.clone();
-        let receivers = scene.pose().map(|posed| receivers_for(&posed, made.as_ref())).unwrap_or_default();
+        let receivers =
+            scene.snapshot().map(|snapshot| receivers_for(&snapshot, made.as_ref())).unwrap_or_default();
         let tried = scene.shadows().next().map(|(key, _)| key);
         if let Some(node) = tried.and_then(|key| scene.shadow_mut(key)) {
             node.technique = technique.type_name.into();

@@ -6,7 +6,7 @@ use shadowgraph_engine::geometry::{Mesh, MeshData};
 use shadowgraph_engine::math::Projection;
 use shadowgraph_engine::plan::Antialias;
 use shadowgraph_engine::scene::{
-    Camera, Content, Image, Light, Material, MeshNode, NodeKey, ParamValue, Params, PosedCamera, Scene,
+    Camera, CameraSnapshot, Content, Image, Light, Material, MeshNode, NodeKey, ParamValue, Params, Scene,
     ShadowNode, TextureRef,
 };
 use std::sync::Arc;
@@ -318,7 +318,7 @@ impl Stage {
             variant: self.variant,
             what_breaks,
             scene: self.scene,
-            camera: PosedCamera::looking(camera, self.eye, self.target),
+            camera: CameraSnapshot::looking(camera, self.eye, self.target),
             size_px: self.size_px,
             antialias: self.antialias,
             options: self.options,

@@ -8,7 +8,7 @@ use shadowgraph_engine::plan::Antialias;
 use shadowgraph_engine::render::{
     FactorImage, Frame, FrameLayer, FrameRequest, RenderError, RenderOptions, Renderer,
 };
-use shadowgraph_engine::scene::{Posed, Scene};
+use shadowgraph_engine::scene::{Scene, SceneSnapshot};
 use shadowgraph_engine::shadow::{Claim, LightSize, Registry};
 use thiserror::Error;
 
@@ -177,7 +177,7 @@ impl KnownReferences {
     /// The picture that answers `queries`, traced if it is not known yet.
     fn answer(
         &mut self,
-        posed: &Posed,
+        snapshot: &SceneSnapshot,
         request: &FrameRequest,
         queries: Vec<LightQuery>,
         progress: &Progress<'_>,
@@ -187,7 +187,7 @@ impl KnownReferences {
             return Arc::clone(image);
         }
         let FrameRequest { camera, size_px, antialias, .. } = request;
-        let reference = Reference::new(posed);
+        let reference = Reference::new(snapshot);
         let image = Arc::new(reference.render_samples(camera, *size_px, *antialias, &asked.1, progress));
         self.known.push((asked, Arc::clone(&image)));
         image
@@ -251,12 +251,12 @@ pub fn evaluate_again(
     let request = FrameRequest { factors: true, ..request.clone() };
     let options = RenderOptions { read_picture: true, timing: Timing::Off, ..RenderOptions::default() };
     let frame = renderer.render(scene, &request, &options)?;
-    let (posed, registry): (Arc<Posed>, Arc<Registry>) = renderer.posed(scene)?;
+    let (snapshot, registry): (Arc<SceneSnapshot>, Arc<Registry>) = renderer.snapshot(scene)?;
     let queries = queries_with(&registry, references.converged_samples);
     if queries.is_empty() {
         return Err(EvaluateError::NothingToCompare);
     }
-    let reference = references.answer(&posed, &request, queries.clone(), progress);
+    let reference = references.answer(&snapshot, &request, queries.clone(), progress);
     let measured = measured(&frame, request.antialias.factor_size_px(request.size_px))?;
     let reference = as_compared(&registry, reference, &measured);
     let errors = compare(&measured, &reference)?;
@@ -279,8 +279,8 @@ pub fn evaluate_converged(
     let Some(queries) = converged_queries(&evaluation.queries, references.converged_samples) else {
         return Ok(None);
     };
-    let (posed, registry) = renderer.posed(scene)?;
-    let reference = references.answer(&posed, request, queries, progress);
+    let (snapshot, registry) = renderer.snapshot(scene)?;
+    let reference = references.answer(&snapshot, request, queries, progress);
     let reference = as_compared(&registry, reference, &evaluation.measured);
     let mut errors = compare(&evaluation.measured, &reference)?;
     for error in &mut errors {

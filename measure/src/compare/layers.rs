@@ -13,7 +13,7 @@ use std::sync::Arc;
 use shadowgraph_engine::gpu::Timing;
 use shadowgraph_engine::plan::Antialias;
 use shadowgraph_engine::render::{FrameRequest, RenderOptions, Renderer};
-use shadowgraph_engine::scene::{PosedCamera, Scene};
+use shadowgraph_engine::scene::{CameraSnapshot, Scene};
 use shadowgraph_engine::shadow::{Layer, Layers, Registry};
 
 use super::evaluate::{layer_measured, queries};
@@ -54,9 +54,9 @@ pub fn evaluate_layers(
     let request = FrameRequest { factors: true, layer_factors: layers.clone(), ..request.clone() };
     let options = RenderOptions { timing: Timing::Off, ..RenderOptions::default() };
     let frame = renderer.render(scene, &request, &options)?;
-    let (posed, registry) = renderer.posed(scene)?;
+    let (snapshot, registry) = renderer.snapshot(scene)?;
     let size_px = request.antialias.factor_size_px(request.size_px);
-    let reference = Reference::new(&posed);
+    let reference = Reference::new(&snapshot);
     let FrameRequest { camera, size_px: picture_px, antialias, .. } = &request;
     let mut evaluations = Vec::new();
     // The first layer may be that of more lights than the rest.
@@ -99,7 +99,7 @@ impl Reference {
     /// have is skipped.
     pub fn render_layers(
         &self,
-        camera: &PosedCamera,
+        camera: &CameraSnapshot,
         size_px: [u32; 2],
         antialias: Antialias,
         lights: &[LightQuery],
@@ -113,7 +113,7 @@ impl Reference {
     /// What is seen, and every light's factor, on one of the transparent surfaces before the opaque one.
     pub fn render_layer(
         &self,
-        camera: &PosedCamera,
+        camera: &CameraSnapshot,
         size_px: [u32; 2],
         lights: &[LightQuery],
         layer: Layer,
@@ -130,7 +130,7 @@ impl Reference {
     /// Judges those surfaces of each pixel that are `chosen`.
     fn render_chosen(
         &self,
-        (camera, size_px, antialias): (&PosedCamera, [u32; 2], Antialias),
+        (camera, size_px, antialias): (&CameraSnapshot, [u32; 2], Antialias),
         lights: &[LightQuery],
         chosen: &Chosen,
         progress: &Progress<'_>,

@@ -49,7 +49,7 @@ impl Samples {
 /// What casts for a light with a size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SizedCasters {
-    /// Indices into `Posed::instances`.
+    /// Indices into `SceneSnapshot::instances`.
     pub casters: Vec<usize>,
     /// How large the light is.
     pub size: LightSize,

@@ -56,9 +56,9 @@ struct Met {
 fn against_brute_force(name: &str, size: Option<LightSize>, count: u32) -> Met {
     let case = case(name);
     let size = size.unwrap_or_else(|| LightSize::of(&case.options));
-    let posed = case.scene.pose().expect("cases have a pose");
-    let reference = Reference::new(&posed);
-    let casters = (0..posed.instances.len()).collect();
+    let snapshot = case.scene.snapshot().expect("cases have a pose");
+    let reference = Reference::new(&snapshot);
+    let casters = (0..snapshot.instances.len()).collect();
     let query = SizedQuery::new(&reference, &SizedCasters { casters, size, samples: Samples::Same(count) });
     let light = &reference.lights[0];
     let view = View::new(&case.camera, SIZE_PX);

@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3, DVec4, Vec3};
 use shadowgraph_engine::math::Aabb;
-use shadowgraph_engine::scene::{Image, Material, Posed, TextureRef};
+use shadowgraph_engine::scene::{Image, Material, SceneSnapshot, TextureRef};
 
 use super::bvh::Bvh;
 use super::channels::HALF_FLOAT_LOSS;
@@ -52,15 +52,15 @@ struct PaneColor {
 }
 
 impl PaneColor {
-    fn of(posed: &Posed, triangle: &Triangle) -> Self {
-        let instance = &posed.instances[triangle.instance as usize];
+    fn of(snapshot: &SceneSnapshot, triangle: &Triangle) -> Self {
+        let instance = &snapshot.instances[triangle.instance as usize];
         let index = triangle.triangle as usize;
         let material = Arc::clone(instance.material_of(index));
         let worn = material.base_color_texture;
         let color = |vertex| DVec4::from(instance.mesh.color8(vertex).map(|byte| f64::from(byte) / 255.0));
         Self {
             corner_colors: instance.mesh.triangle(index).map(color),
-            texture: worn.and_then(|worn| Some((Arc::clone(posed.images.get(&worn.image)?), worn))),
+            texture: worn.and_then(|worn| Some((Arc::clone(snapshot.images.get(&worn.image)?), worn))),
             corner_uvs: corner_uvs(instance, worn, index),
             material,
         }
@@ -87,9 +87,9 @@ fn decoded(texel: [u8; 4]) -> DVec4 {
 }
 
 impl Panes {
-    /// The transparent surfaces of `posed`; `None` where there are none.
-    pub(crate) fn of_scene(posed: &Posed) -> Option<Self> {
-        let drawn = Triangle::wearing(posed, |material| !material.is_opaque());
+    /// The transparent surfaces of `snapshot`; `None` where there are none.
+    pub(crate) fn of_scene(snapshot: &SceneSnapshot) -> Option<Self> {
+        let drawn = Triangle::wearing(snapshot, |material| !material.is_opaque());
         if drawn.is_empty() {
             return None;
         }
@@ -97,7 +97,7 @@ impl Panes {
         let bounds = boxes.iter().fold(Aabb::EMPTY, |sum, b| sum.union(b));
         let (bvh, order) = Bvh::new(&boxes, &bounds);
         let triangles: Vec<Triangle> = order.iter().map(|index| drawn[*index as usize].clone()).collect();
-        let colors = triangles.iter().map(|triangle| PaneColor::of(posed, triangle)).collect();
+        let colors = triangles.iter().map(|triangle| PaneColor::of(snapshot, triangle)).collect();
         Some(Self { triangles, colors, bvh, bounds })
     }
 

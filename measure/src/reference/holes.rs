@@ -7,7 +7,7 @@ use std::ops::{Add, Mul, Sub};
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use shadowgraph_engine::scene::{Image, Instance, Posed, TexCoord, TextureRef, Wrap};
+use shadowgraph_engine::scene::{Image, Instance, SceneSnapshot, TexCoord, TextureRef, Wrap};
 
 use super::cover::Cover;
 
@@ -28,12 +28,13 @@ pub(crate) struct Mask {
 
 impl Mask {
     /// The mask of `triangle` of `instance`, if its material has one.
-    pub(crate) fn of(posed: &Posed, instance: &Instance, triangle: usize) -> Option<Box<Self>> {
+    pub(crate) fn of(snapshot: &SceneSnapshot, instance: &Instance, triangle: usize) -> Option<Box<Self>> {
         let material = instance.material_of(triangle);
         let cutoff = material.cutoff()?;
         let vertices = instance.mesh.triangle(triangle);
         let worn = material.base_color_texture;
-        let image = worn.and_then(|texture| Some((Arc::clone(posed.images.get(&texture.image)?), texture)));
+        let image =
+            worn.and_then(|texture| Some((Arc::clone(snapshot.images.get(&texture.image)?), texture)));
         Some(Box::new(Self {
             cutoff,
             alpha: f64::from(material.base_color.w),

@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::Vec3;
 use rayon::prelude::*;
 use shadowgraph_engine::plan::Antialias;
-use shadowgraph_engine::scene::PosedCamera;
+use shadowgraph_engine::scene::CameraSnapshot;
 
 use super::answers::Pixels;
 use super::area::{SizedCasters, SoftBounds};
@@ -51,13 +51,13 @@ pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 /// A light to judge, and what casts for it. The factors of all parts are multiplied.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightQuery {
-    /// The index of the light in `Posed::lights`.
+    /// The index of the light in `SceneSnapshot::lights`.
     pub light: usize,
-    /// Indices into `Posed::instances`: what casts as if the light had no size.
+    /// Indices into `SceneSnapshot::instances`: what casts as if the light had no size.
     pub casters: Vec<usize>,
     /// What casts for a light with a size.
     pub sized: Vec<SizedCasters>,
-    /// Indices into `Posed::instances`: their transparent surfaces cast too, as if the light had no size, and the factor
+    /// Indices into `SceneSnapshot::instances`: their transparent surfaces cast too, as if the light had no size, and the factor
     /// is one of red, green and blue.
     pub transparent: Vec<usize>,
 }
@@ -79,7 +79,7 @@ pub struct ReferenceImage {
 /// One light's part of a [`ReferenceImage`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightReference {
-    /// The light's name, as in `Posed::lights`.
+    /// The light's name, as in `SceneSnapshot::lights`.
     pub name: String,
     /// 1 lit, 0 dark, NaN where nothing is hit; one value for each pixel, or red, green and blue.
     pub factor: Vec<f32>,
@@ -146,7 +146,7 @@ impl Reference {
     /// The reference picture through pixel centres. A query for a light that the scene does not have is skipped.
     pub fn render(
         &self,
-        camera: &PosedCamera,
+        camera: &CameraSnapshot,
         size_px: [u32; 2],
         lights: &[LightQuery],
         progress: &Progress<'_>,
@@ -158,7 +158,7 @@ impl Reference {
     /// images have them.
     pub fn render_samples(
         &self,
-        camera: &PosedCamera,
+        camera: &CameraSnapshot,
         size_px: [u32; 2],
         antialias: Antialias,
         lights: &[LightQuery],
@@ -196,7 +196,7 @@ impl Reference {
     /// The mean over `n`×`n` sub-pixels, each with its own first hit: what a picture without aliasing would show.
     pub fn render_supersampled(
         &self,
-        camera: &PosedCamera,
+        camera: &CameraSnapshot,
         size_px: [u32; 2],
         lights: &[LightQuery],
         progress: &Progress<'_>,

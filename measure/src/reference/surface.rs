@@ -8,7 +8,7 @@
 
 use glam::{DVec3, DVec4};
 use shadowgraph_engine::math::{Aabb, POSITION_EPSILON, facing_sign, orient_sign};
-use shadowgraph_engine::scene::{Instance, Material, Posed};
+use shadowgraph_engine::scene::{Instance, Material, SceneSnapshot};
 
 use super::holes::Mask;
 use super::tracer::Hit;
@@ -42,17 +42,17 @@ pub(crate) struct Triangle {
 
 impl Triangle {
     /// All triangles that hide what is behind them, in the order of drawing.
-    pub(crate) fn of_scene(posed: &Posed) -> Vec<Self> {
-        Self::wearing(posed, Material::is_opaque)
+    pub(crate) fn of_scene(snapshot: &SceneSnapshot) -> Vec<Self> {
+        Self::wearing(snapshot, Material::is_opaque)
     }
 
     /// All triangles of the materials that are `wanted`, in the order of drawing.
-    pub(crate) fn wearing(posed: &Posed, wanted: fn(&Material) -> bool) -> Vec<Self> {
-        posed
+    pub(crate) fn wearing(snapshot: &SceneSnapshot, wanted: fn(&Material) -> bool) -> Vec<Self> {
+        snapshot
             .instances
             .iter()
             .enumerate()
-            .flat_map(|(index, instance)| of_instance(posed, index, instance, wanted))
+            .flat_map(|(index, instance)| of_instance(snapshot, index, instance, wanted))
             .collect()
     }
 
@@ -205,7 +205,7 @@ impl Triangle {
 }
 
 fn of_instance<'a>(
-    posed: &'a Posed,
+    snapshot: &'a SceneSnapshot,
     index: usize,
     instance: &'a Instance,
     wanted: fn(&Material) -> bool,
@@ -225,7 +225,7 @@ fn of_instance<'a>(
             casts: !material.unlit,
             receives: instance.shadow.receives && !material.unlit,
             lets_light_pass: !material.is_opaque(),
-            mask: Mask::of(posed, instance, triangle),
+            mask: Mask::of(snapshot, instance, triangle),
         })
     })
 }

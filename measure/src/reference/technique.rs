@@ -102,12 +102,12 @@ impl ShadowTechnique for ReferenceShadow {
     fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
         let name = light.light().name.clone();
         let casters: Vec<usize> = light.casters().map(|(index, _)| index).collect();
-        let (posed, view) = (light.posed, light.view);
-        let index = posed.lights.iter().position(|other| other.name == name).unwrap_or_default();
+        let (snapshot, view) = (light.snapshot, light.view);
+        let index = snapshot.lights.iter().position(|other| other.name == name).unwrap_or_default();
         // Everything a pixel depends on: the geometry, who casts, the light, the camera and the size.
         let poses: Vec<(u64, bool)> =
-            posed.instances.iter().map(|i| (i.pose_key, i.shadow.receives)).collect();
-        let worn = posed.instances.iter().flat_map(|instance| &instance.materials);
+            snapshot.instances.iter().map(|i| (i.pose_key, i.shadow.receives)).collect();
+        let worn = snapshot.instances.iter().flat_map(|instance| &instance.materials);
         let worn: Vec<String> = worn
             .map(|m| {
                 let color = (m.base_color, m.base_color_texture, m.transmission);
@@ -118,7 +118,7 @@ impl ShadowTechnique for ReferenceShadow {
         let layer = light.layer();
         let key = hash_of(("reference", poses, worn, &casters, seen_from, format!("{self:?}"), layer));
         let transparent =
-            |index: &&usize| posed.instances[**index].materials.iter().any(|m| m.is_transparent());
+            |index: &&usize| snapshot.instances[**index].materials.iter().any(|m| m.is_transparent());
         let transparent: Vec<usize> = casters.iter().filter(transparent).copied().collect();
         let factors = light.cache.get_or_compute("reference factors", key, || {
             let (size, samples) = (self.light_size(), Samples::Same(self.samples));
@@ -128,7 +128,7 @@ impl ShadowTechnique for ReferenceShadow {
                 sized: vec![SizedCasters { casters, size, samples }],
                 ..LightQuery::default()
             };
-            let (reference, camera, size_px) = (Reference::new(posed), &view.camera, view.size_px);
+            let (reference, camera, size_px) = (Reference::new(snapshot), &view.camera, view.size_px);
             let image = match layer {
                 None => reference.render(camera, size_px, &[query], &|_, _| {}),
                 Some(layer) => reference.render_layer(camera, size_px, &[query], layer),

@@ -1,6 +1,6 @@
 //! The exact reference: which triangle does a ray see, and does a light reach a point of it?
 //!
-//! The geometry is that of the posed scene, f32 positions under f64 transforms, and every decision is made in f64
+//! The geometry is that of the scene's snapshot, f32 positions under f64 transforms, and every decision is made in f64
 //! ([`super::surface`]); the tree of boxes only proposes triangles. Opaque and masked surfaces are seen, receive and
 //! cast; transparent ones are looked through, and what light passes them takes their colour on ([`super::glass`]); unlit
 //! ones are seen, lit by definition and cast nothing.
@@ -11,7 +11,7 @@
 
 use glam::{DVec3, DVec4};
 use shadowgraph_engine::math::Aabb;
-use shadowgraph_engine::scene::{Posed, PosedLight};
+use shadowgraph_engine::scene::{LightSnapshot, SceneSnapshot};
 
 use super::bvh::{Bvh, Open};
 use super::cover::share_covers;
@@ -21,7 +21,7 @@ use super::surface::Triangle;
 /// What a ray sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Hit {
-    /// The index of the instance in [`Posed::instances`].
+    /// The index of the instance in [`SceneSnapshot::instances`].
     pub instance: u32,
     /// The number of the triangle in the instance's mesh.
     pub triangle: u32,
@@ -46,7 +46,7 @@ pub struct Reference {
     pub(crate) bvh: Bvh,
     /// Where each triangle of each instance stands in `triangles`; `u32::MAX` for those that are no surface.
     places: Vec<Vec<u32>>,
-    pub(crate) lights: Vec<PosedLight>,
+    pub(crate) lights: Vec<LightSnapshot>,
     /// The largest coordinate of any surface, in metres.
     pub(crate) coordinate_m: f64,
     /// The box around all of them, as renderers have it.
@@ -56,20 +56,20 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Takes over what `posed` shows at this moment.
-    pub fn new(posed: &Posed) -> Self {
-        let mut drawn = Triangle::of_scene(posed);
+    /// Takes over what `snapshot` shows at this moment.
+    pub fn new(snapshot: &SceneSnapshot) -> Self {
+        let mut drawn = Triangle::of_scene(snapshot);
         share_covers(&mut drawn);
         let boxes: Vec<Aabb> = drawn.iter().map(Triangle::bounds).collect();
         let bounds = boxes.iter().fold(Aabb::EMPTY, |sum, b| sum.union(b));
         let (bvh, order) = Bvh::new(&boxes, &bounds);
         let triangles: Vec<Triangle> = order.iter().map(|index| drawn[*index as usize].clone()).collect();
         let mut places: Vec<Vec<u32>> =
-            posed.instances.iter().map(|i| vec![u32::MAX; i.mesh.triangle_count()]).collect();
+            snapshot.instances.iter().map(|i| vec![u32::MAX; i.mesh.triangle_count()]).collect();
         for (place, triangle) in triangles.iter().enumerate() {
             places[triangle.instance as usize][triangle.triangle as usize] = place as u32;
         }
-        let panes = Panes::of_scene(posed);
+        let panes = Panes::of_scene(snapshot);
         let bounds = panes.as_ref().map_or(bounds, |panes| bounds.union(&panes.bounds));
         let coordinate_m =
             if bounds.is_empty() { 0.0 } else { bounds.min.abs().max(bounds.max.abs()).max_element() };
@@ -77,9 +77,9 @@ impl Reference {
             triangles,
             bvh,
             places,
-            lights: posed.lights.clone(),
+            lights: snapshot.lights.clone(),
             coordinate_m,
-            world_bounds: posed.world_bounds,
+            world_bounds: snapshot.world_bounds,
             panes,
         }
     }
@@ -282,7 +282,7 @@ mod tests {
         offset: DVec3,
         size_m: f64,
         turn: f64,
-    ) -> Posed {
+    ) -> SceneSnapshot {
         let unit = if fine { 1.0 / 127.0 } else { 1.0 / 4.0 };
         let position = |c: &[i8; 3]| Vec3::from(c.map(|v| f32::from(if fine { v } else { v / 32 }) * unit));
         let mut positions: Vec<Vec3> = corners.iter().map(position).collect();
@@ -297,7 +297,7 @@ mod tests {
         let mut scene = Scene::new();
         let place = placed(offset, DQuat::from_rotation_z(turn), DVec3::splat(size_m));
         scene.add_mesh(mesh, Material::default(), place);
-        scene.pose().unwrap()
+        scene.snapshot().unwrap()
     }
 
     fn local_point() -> impl Strategy<Value = DVec3> {
@@ -330,8 +330,8 @@ mod tests {
             spread in prop_oneof![Just(1e-6), Just(8e-3), Just(0.3)],
             w in prop_oneof![Just(0.0), Just(1.0)],
         ) {
-            let posed = soup(&corners, kind, offset, size_m, turn);
-            let reference = Reference::new(&posed);
+            let snapshot = soup(&corners, kind, offset, size_m, turn);
+            let reference = Reference::new(&snapshot);
             let mut tracer = reference.tracer();
             let casters = reference.caster_set(&[0]);
             for (from, pick, u, v) in aims {
@@ -371,7 +371,7 @@ mod tests {
 
     #[test]
     fn an_empty_scene_shows_and_blocks_nothing() {
-        let reference = Reference::new(&Scene::new().pose().unwrap());
+        let reference = Reference::new(&Scene::new().snapshot().unwrap());
         let mut tracer = reference.tracer();
         assert_eq!(tracer.first_hit(DVec3::ZERO, DVec3::X, 0.0, f64::INFINITY), None);
         let nobody = reference.caster_set(&[7]);

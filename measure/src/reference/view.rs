@@ -1,22 +1,22 @@
 //! A camera with a target: rays through places of it, and the depth that a rasteriser keeps there. The camera is
-//! [fitted to the scene](PosedCamera::fitted_to), as it is for a frame.
+//! [fitted to the scene](CameraSnapshot::fitted_to), as it is for a frame.
 
 use glam::{DAffine3, DVec3, DVec4};
 use shadowgraph_engine::math::Projection;
-use shadowgraph_engine::scene::PosedCamera;
+use shadowgraph_engine::scene::CameraSnapshot;
 
 use super::tracer::{Hit, Tracer};
 
 /// A camera with a target.
 pub(crate) struct View<'a> {
-    camera: &'a PosedCamera,
+    camera: &'a CameraSnapshot,
     view_from_world: DAffine3,
     size_px: [f64; 2],
     pub(crate) eye: DVec4,
 }
 
 impl<'a> View<'a> {
-    pub(crate) fn new(camera: &'a PosedCamera, size_px: [u32; 2]) -> Self {
+    pub(crate) fn new(camera: &'a CameraSnapshot, size_px: [u32; 2]) -> Self {
         let view_from_world = camera.world_from_view.inverse();
         Self { camera, view_from_world, size_px: size_px.map(f64::from), eye: camera.frustum(size_px).eye }
     }

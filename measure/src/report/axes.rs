@@ -1,7 +1,7 @@
 //! What grows in the scaling part: the scenes of each axis.
 
 use glam::{DAffine3, DVec3};
-use shadowgraph_engine::scene::{Camera, Light, PosedCamera, Scene};
+use shadowgraph_engine::scene::{Camera, CameraSnapshot, Light, Scene};
 
 use super::effort::Effort;
 use crate::cases::strewn::{add_instances, knot, over_floor, small_box, strewn};
@@ -23,9 +23,9 @@ pub(super) struct AxisScene {
 
 impl AxisScene {
     /// The scene with its camera.
-    pub(super) fn build(&self) -> (Scene, PosedCamera) {
+    pub(super) fn build(&self) -> (Scene, CameraSnapshot) {
         let camera = Camera::perspective("main", 45_f64.to_radians());
-        ((self.build)(), PosedCamera::looking(camera, EYE[0], EYE[1]))
+        ((self.build)(), CameraSnapshot::looking(camera, EYE[0], EYE[1]))
     }
 }
 
@@ -116,11 +116,11 @@ mod tests {
         for axis in all(&Effort::QUICK) {
             for step in &axis.steps {
                 let (scene, _) = step.build();
-                let posed = scene.pose().expect("axis scenes pose");
-                let casting = || posed.instances.iter().filter(|instance| instance.shadow.casts);
+                let snapshot = scene.snapshot().expect("axis scenes pose");
+                let casting = || snapshot.instances.iter().filter(|instance| instance.shadow.casts);
                 let found = match axis.parameter {
                     "triangles" => casting().map(|i| i.mesh.triangle_count()).sum::<usize>() as f64,
-                    "lights" => posed.lights.len() as f64,
+                    "lights" => snapshot.lights.len() as f64,
                     "casters" => casting().count() as f64,
                     "pixels" => f64::from(step.size_px[0]) * f64::from(step.size_px[1]),
                     other => panic!("a new axis '{other}'"),

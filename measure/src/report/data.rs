@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use shadowgraph_engine::scene::{Params, PosedCamera, Scene};
+use shadowgraph_engine::scene::{CameraSnapshot, Params, Scene};
 
 use super::totals::Totals;
 use crate::LightError;
@@ -17,7 +17,7 @@ pub struct ReportScene {
     pub shows: String,
     /// The scene. Its shadow nodes keep their scopes and get each technique in turn; without any, one over everything
     /// is added. Or why it could not be had.
-    pub scene: Result<(Scene, PosedCamera), String>,
+    pub scene: Result<(Scene, CameraSnapshot), String>,
 }
 
 /// Everything that was measured.

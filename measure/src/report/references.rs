@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use shadowgraph_engine::render::FrameRequest;
-use shadowgraph_engine::scene::Posed;
+use shadowgraph_engine::scene::SceneSnapshot;
 
 use crate::reference::tracer::Hit;
 use crate::{LightQuery, LightReference, PixelReference, Progress, Reference, ReferenceImage, SoftBounds};
@@ -58,12 +58,12 @@ impl References {
 
     pub(super) fn get(
         &mut self,
-        posed: &Posed,
+        snapshot: &SceneSnapshot,
         request: &FrameRequest,
         queries: &[LightQuery],
         progress: &Progress<'_>,
     ) -> Arc<Traced> {
-        let key = content_key(posed, request, queries);
+        let key = content_key(snapshot, request, queries);
         if let Some(traced) = self.kept.get(&key) {
             return Arc::clone(traced);
         }
@@ -71,7 +71,7 @@ impl References {
         let read = path.as_ref().and_then(|path| decode(&fs::read(path).ok()?, key));
         let traced = Arc::new(read.unwrap_or_else(|| {
             let start = Instant::now();
-            let image = Reference::new(posed).render(&request.camera, request.size_px, queries, progress);
+            let image = Reference::new(snapshot).render(&request.camera, request.size_px, queries, progress);
             let traced = Traced { image, trace_ms: start.elapsed().as_secs_f64() * 1e3 };
             if let Some(path) = &path
                 && let Err(error) = write(path, &encode(&traced, key))
@@ -123,10 +123,10 @@ const SOURCES: [&str; 21] = [
     include_str!("references.rs"),
 ];
 
-fn content_key(posed: &Posed, request: &FrameRequest, queries: &[LightQuery]) -> u64 {
+fn content_key(snapshot: &SceneSnapshot, request: &FrameRequest, queries: &[LightQuery]) -> u64 {
     let mut hasher = DefaultHasher::new();
     SOURCES.hash(&mut hasher);
-    for instance in &posed.instances {
+    for instance in &snapshot.instances {
         let vertices = instance.mesh.positions().len() as u32;
         for vertex in 0..vertices {
             instance.world_position(vertex).to_array().map(f64::to_bits).hash(&mut hasher);
@@ -137,13 +137,13 @@ fn content_key(posed: &Posed, request: &FrameRequest, queries: &[LightQuery]) ->
         data.colors.iter().for_each(|color| color.to_array().map(f32::to_bits).hash(&mut hasher));
         format!("{:?} {:?} {:?}", data.parts, instance.shadow, instance.materials).hash(&mut hasher);
     }
-    let mut images: Vec<_> = posed.images.iter().collect();
+    let mut images: Vec<_> = snapshot.images.iter().collect();
     images.sort_by_key(|(key, _)| **key);
     for (key, image) in images {
         (format!("{key:?}"), image.width, &image.rgba8).hash(&mut hasher);
     }
     for query in queries {
-        let light = posed.lights.get(query.light);
+        let light = snapshot.lights.get(query.light);
         // Whatever a query may ask for is part of what it says of itself.
         format!("{light:?} {query:?}").hash(&mut hasher);
     }

@@ -38,8 +38,8 @@ pub(super) fn without_shadows(scene: &Scene) -> Scene {
 pub(super) fn with_technique(scene: &Scene, entry: &TechniqueEntry, setting: &Setting) -> Scene {
     let mut scene = scene.clone();
     let params = (setting.params)();
-    let made = (entry.from_params)(&params).ok().zip(scene.pose().ok());
-    let receivers = made.map_or(Scope::All, |(made, posed)| receivers_for(&posed, made.as_ref()));
+    let made = (entry.from_params)(&params).ok().zip(scene.snapshot().ok());
+    let receivers = made.map_or(Scope::All, |(made, snapshot)| receivers_for(&snapshot, made.as_ref()));
     let shadows: Vec<_> = scene.shadows().map(|(key, _)| key).collect();
     for key in &shadows {
         if let Some(node) = scene.shadow_mut(*key) {
@@ -100,9 +100,9 @@ fn fill(
     let end = steps.after(self::steps(bench));
     let (given, camera) = scene.scene.as_ref().map_err(Clone::clone).inspect_err(|_| steps.skip_to(end))?;
     let said = |error: &dyn std::fmt::Display| error.to_string();
-    let posed = given.pose().map_err(|error| said(&error)).inspect_err(|_| steps.skip_to(end))?;
-    report.triangles = posed.instances.iter().map(|instance| instance.mesh.triangle_count()).sum();
-    report.lights = posed.lights.len();
+    let snapshot = given.snapshot().map_err(|error| said(&error)).inspect_err(|_| steps.skip_to(end))?;
+    report.triangles = snapshot.instances.iter().map(|instance| instance.mesh.triangle_count()).sum();
+    report.lights = snapshot.lights.len();
     let request = FrameRequest::new(camera.clone(), bench.effort.size_px);
 
     let runner = |scene| Runner { renderer: bench.renderer(), scene, request: request.clone() };
@@ -212,7 +212,7 @@ fn judge(bench: &Bench<'_>, runner: &mut Runner, references: &mut References) ->
     let Runner { renderer, scene, request } = runner;
     let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
     let frame = renderer.render(scene, request, &options).map_err(|error| unmeasured(&error))?;
-    let (posed, registry) = renderer.posed(scene).map_err(|error| unmeasured(&error))?;
+    let (snapshot, registry) = renderer.snapshot(scene).map_err(|error| unmeasured(&error))?;
     let [whole_light, _] = bench.effort.whole_light_samples;
     let own_queries = queries_with(&registry, whole_light);
     if own_queries.is_empty() {
@@ -230,7 +230,7 @@ fn judge(bench: &Bench<'_>, runner: &mut Runner, references: &mut References) ->
     let failed = |error: &dyn std::fmt::Display| Outcome::Failed(error.to_string());
     let measured = measured(&judged, size_px).map_err(|error| failed(&error))?;
     let mut beside = |queries: &[LightQuery]| {
-        let mut traced = references.get(&posed, &request, queries, &|_, _| {});
+        let mut traced = references.get(&snapshot, &request, queries, &|_, _| {});
         if let Cow::Owned(image) = traced.image.as_seen(&measured.ids) {
             traced = Arc::new(Traced { image, trace_ms: traced.trace_ms });
         }

@@ -18,7 +18,7 @@ use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::scene::Instance;
 
 use super::extrusion::{BESIDE, End};
-use super::listed::Layout;
+use super::ray_candidates::Layout;
 use crate::layout;
 
 /// `struct CutVertex` of the shadow volume shaders.

@@ -13,7 +13,7 @@ use shadowgraph_engine::shadow::{
     Channels, ColorTarget, Contribution, LightContext, Pass, PassList, ShadowError, hash_of,
 };
 
-use super::listed::{Corners, Layout, Listed, Run};
+use super::ray_candidates::{Corners, Layout, RayCandidates, Run};
 use crate::layout;
 
 /// `struct MaskedTriangle` of masked_volume.wgsl.
@@ -66,7 +66,7 @@ pub fn cast(
     out: &mut PassList<'_>,
     casters: &[&Instance],
 ) -> Result<Contribution, ShadowError> {
-    let mut listed: Listed<MaskedTriangle, MaskedCaster> = Listed::default();
+    let mut candidates: RayCandidates<MaskedTriangle, MaskedCaster> = RayCandidates::default();
     let position = light.light().position;
     for instance in casters {
         for (part, material) in instance.materials.iter().enumerate() {
@@ -79,16 +79,21 @@ pub fn cast(
             let run = light.cache.get_or_compute("masked triangles", key, || {
                 Run::new(instance, part, texture.as_ref(), position, |corners| triangle(instance, &corners))
             });
-            listed.push(run, key, texture.map(|texture| texture.image), record(light, instance, material));
+            candidates.push(
+                run,
+                key,
+                texture.map(|texture| texture.image),
+                record(light, instance, material),
+            );
         }
     }
-    if listed.is_empty() {
+    if candidates.is_empty() {
         return Ok(Contribution::default());
     }
     let bounds = casters.iter().fold(Aabb::EMPTY, |bounds, caster| bounds.union(&caster.world_bounds));
-    let draws = listed.draws((light, out), "masked triangles", &bounds, shader, BlendState::REPLACE)?;
+    let draws = candidates.draws((light, out), "masked triangles", &bounds, shader, BlendState::REPLACE)?;
     let name = &light.light().name;
-    let count = listed.parts();
+    let count = candidates.parts();
     out.pass(Pass {
         name: format!("masks of {name}"),
         reason: format!("{count} casters with holes between {name} and the view: asked at every pixel"),

@@ -79,10 +79,10 @@ pub fn united(a: Option<[u32; 4]>, b: Option<[u32; 4]>) -> Option<[u32; 4]> {
 mod tests {
     use super::*;
     use shadowgraph_engine::math::{Plane, ViewFrustum};
-    use shadowgraph_engine::scene::{Camera, PosedCamera};
+    use shadowgraph_engine::scene::{Camera, CameraSnapshot};
 
     fn view(camera: Camera, eye: DVec3, target: DVec3) -> View {
-        let camera = PosedCamera::looking(camera, eye, target);
+        let camera = CameraSnapshot::looking(camera, eye, target);
         let size_px = [640, 480];
         let frustum: ViewFrustum = camera.frustum(size_px);
         View {

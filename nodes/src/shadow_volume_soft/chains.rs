@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::chain::{BesideTriangle, CasterChain, SoftEdge, SoftTriangle};
 use super::clusters::clusters;
 use super::lists::{ListedEdge, SoftGrid};
-use super::near::near_lists;
+use super::near_light_triangles::near_lists;
 
 /// `struct SoftCluster` of soft_light.wgsl.
 #[repr(C)]

@@ -16,7 +16,7 @@ use shadowgraph_engine::geometry::{LightGrid, LightPlane};
 use shadowgraph_engine::math::Aabb;
 
 use super::chain::{LightBall, SoftEdge};
-use super::sides::{EdgeSides, Piece};
+use super::silhouette_culling::{EdgeSides, Piece};
 use super::slices::Distances;
 
 /// By how much of a cell footprints are enlarged on every side.

@@ -22,8 +22,8 @@ use shadowgraph_engine::plan::Shader;
 use shadowgraph_engine::shadow::{Contribution, LightContext, PassList, ShadowError};
 
 use super::ShadowVolumeSoft;
-use super::gather::Gathered;
-use super::marked::mark_and_ask;
+use super::light_data::LightData;
+use super::penumbra_mask::mark_and_ask;
 
 impl ShadowVolumeSoft {
     pub(super) fn plan_per_receiver(
@@ -31,8 +31,8 @@ impl ShadowVolumeSoft {
         light: &LightContext<'_>,
         out: &mut PassList<'_>,
     ) -> Result<Contribution, ShadowError> {
-        let gathered = self.gather(light, out)?;
-        ask(light, out, gathered)
+        let data = self.light_data(light, out)?;
+        ask(light, out, data)
     }
 
     /// Adds what receivers see of the light beyond their horizon, whatever casts: nothing to ask of transparent surfaces, which
@@ -45,18 +45,18 @@ impl ShadowVolumeSoft {
         if light.layer().is_some() {
             return Ok(Contribution::default());
         }
-        let gathered = self.bind(light, out, None)?;
-        ask(light, out, gathered)
+        let data = self.bind(light, out, None)?;
+        ask(light, out, data)
     }
 }
 
 fn ask(
     light: &LightContext<'_>,
     out: &mut PassList<'_>,
-    gathered: Gathered,
+    data: LightData,
 ) -> Result<Contribution, ShadowError> {
-    let flags = flags_of(&gathered);
-    let Gathered { bindings, casters, edges, triangles, .. } = gathered;
+    let flags = flags_of(&data);
+    let LightData { bindings, casters, edges, triangles, .. } = data;
     if light.view.receiver_bounds.is_empty() {
         return Ok(Contribution::default());
     }
@@ -68,13 +68,13 @@ fn ask(
 }
 
 /// The shader's flags for what there is to ask.
-fn flags_of(gathered: &Gathered) -> Vec<&'static str> {
+fn flags_of(data: &LightData) -> Vec<&'static str> {
     let wanted = [
-        ("CASTERS", gathered.casters > 0),
-        ("CLUSTERS", gathered.clusters),
-        ("BESIDE", gathered.beside),
-        ("ON_LAYER", gathered.on_layer),
-        ("ONE_CASTER", gathered.casters == 1),
+        ("CASTERS", data.casters > 0),
+        ("CLUSTERS", data.clusters),
+        ("BESIDE", data.beside),
+        ("ON_LAYER", data.on_layer),
+        ("ONE_CASTER", data.casters == 1),
     ];
     wanted.into_iter().filter(|(_, wanted)| *wanted).map(|(flag, _)| flag).collect()
 }

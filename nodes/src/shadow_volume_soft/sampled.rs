@@ -9,8 +9,8 @@ use shadowgraph_engine::plan::{Shader, ShaderError};
 use shadowgraph_engine::shadow::{Contribution, LightContext, PassList, ShadowError, light_samples};
 
 use super::ShadowVolumeSoft;
-use super::gather::Gathered;
-use super::marked::mark_and_ask;
+use super::light_data::LightData;
+use super::penumbra_mask::mark_and_ask;
 
 impl ShadowVolumeSoft {
     pub(super) fn plan_sampled(
@@ -18,10 +18,10 @@ impl ShadowVolumeSoft {
         light: &LightContext<'_>,
         out: &mut PassList<'_>,
     ) -> Result<Contribution, ShadowError> {
-        let gathered = self.gather(light, out)?;
+        let data = self.light_data(light, out)?;
         // In each round the pixels that are drawn together, eight say, find their edges in turns, and count them in others.
-        let long_lists = gathered.has_long_lists(9 * self.samples.div_ceil(64) as usize);
-        let Gathered { bindings, clusters, beside, on_layer, casters, edges, triangles, .. } = gathered;
+        let long_lists = data.has_long_lists(9 * self.samples.div_ceil(64) as usize);
+        let LightData { bindings, clusters, beside, on_layer, casters, edges, triangles, .. } = data;
         if light.view.receiver_bounds.is_empty() {
             return Ok(Contribution::default());
         }

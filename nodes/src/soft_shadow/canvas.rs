@@ -113,14 +113,14 @@ impl Canvas {
         let points: Vec<_> = points.chain([[lit.points.radius_m.to_bits(); 4]]).collect();
         let plane_bits = normal.extend(offset).to_array().map(f64::to_bits);
         let poses: Vec<u64> =
-            receiver.instances.iter().map(|index| light.posed.instances[*index].pose_key).collect();
+            receiver.instances.iter().map(|index| light.snapshot.instances[*index].pose_key).collect();
         let key = hash_of(("planar texture", plane_bits, points, poses, casters.key, resolution));
-        let posed = light.posed;
+        let snapshot = light.snapshot;
         let canvas = light.cache.get_or_compute("planar texture", key, || {
-            let (u, v) = receiver.axes(posed);
+            let (u, v) = receiver.axes(snapshot);
             let world_from_axes = DMat3::from_cols(u, v, normal);
             let axes_from_world = world_from_axes.transpose();
-            let (mut low, mut high) = receiver.extent(posed, u, v);
+            let (mut low, mut high) = receiver.extent(snapshot, u, v);
             // Beyond what shadows reach, all is lit: unless part of the light is under the plane.
             if !lit.is_cut() {
                 let (shadow_low, shadow_high) = shadow_extent(receiver, lit, casters, u, v);

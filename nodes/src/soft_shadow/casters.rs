@@ -163,7 +163,7 @@ impl Casters {
             let (batch, key) = upload(light, out, receiver, points, (masked, image), &runs);
             casters.batches.push(batch);
             // An image that was changed is another one.
-            let image = image.and_then(|image| light.posed.images.get(&image));
+            let image = image.and_then(|image| light.snapshot.images.get(&image));
             keys.push((key, image.map(|image| Arc::as_ptr(image) as usize)));
         }
         casters.key = hash_of(keys);

@@ -145,9 +145,9 @@ fn shade(
     bindings: &[(u32, Binding)],
 ) -> Result<(), ShaderError> {
     let state = DrawState::new(CompareFunction::Equal, vec![Some(MULTIPLY)]);
-    let poses = receiver.instances.iter().map(|index| light.posed.instances[*index].pose_key);
+    let poses = receiver.instances.iter().map(|index| light.snapshot.instances[*index].pose_key);
     let key = hash_of(("overlaps", poses.collect::<Vec<_>>()));
-    let overlaps = *light.cache.get_or_compute("overlaps", key, || receiver.overlaps_itself(light.posed));
+    let overlaps = *light.cache.get_or_compute("overlaps", key, || receiver.overlaps_itself(light.snapshot));
     let mut bindings = bindings.to_vec();
     if overlaps {
         bindings.push((VISIBLE_TRIANGLES, Binding::Texture(out.visible_triangles())));
@@ -189,7 +189,7 @@ fn receiver_draws(
     type Run = (bool, Vec<(u32, u32)>, u64);
     let mut runs: Vec<Run> = Vec::new();
     for index in &receiver.instances {
-        let instance = &light.posed.instances[*index];
+        let instance = &light.snapshot.instances[*index];
         for (part, material) in instance.materials.iter().enumerate().filter(|(_, m)| m.is_opaque()) {
             let masked = material.cutoff().is_some();
             let vertices = instance.mesh.data().parts[part].triangles.len() as u64 * 3;

@@ -4,7 +4,7 @@
 //! Which triangle is seen then has to be asked for, and only then.
 
 use glam::DVec2;
-use shadowgraph_engine::scene::Posed;
+use shadowgraph_engine::scene::SceneSnapshot;
 
 use super::receivers::Receiver;
 
@@ -14,13 +14,13 @@ const TOUCHING: f64 = 1e-9;
 
 impl Receiver {
     /// Whether two of its opaque triangles overlap.
-    pub(super) fn overlaps_itself(&self, posed: &Posed) -> bool {
+    pub(super) fn overlaps_itself(&self, snapshot: &SceneSnapshot) -> bool {
         let normal = self.flat.plane.normal;
         let u = normal.any_orthonormal_vector();
         let v = normal.cross(u);
         let mut origin = None;
         let mut triangles = Vec::new();
-        for instance in self.instances.iter().map(|index| &posed.instances[*index]) {
+        for instance in self.instances.iter().map(|index| &snapshot.instances[*index]) {
             let parts = instance.mesh.data().parts.iter().zip(&instance.materials);
             let opaque = parts.filter(|(_, material)| material.is_opaque());
             for triangle in opaque.flat_map(|(part, _)| part.triangles.clone()) {

@@ -29,7 +29,7 @@
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 use glam::{DQuat, DVec2, DVec3, DVec4};
-use shadowgraph_engine::scene::PosedLight;
+use shadowgraph_engine::scene::LightSnapshot;
 use shadowgraph_engine::shadow::{Cache, LightSize, light_samples};
 
 /// Rounds of moving, and directions looked along in each.
@@ -56,7 +56,7 @@ impl LightPoints {
     /// from the light's centre to the nearest receiver.
     pub(super) fn new(
         cache: &Cache,
-        light: &PosedLight,
+        light: &LightSnapshot,
         size: LightSize,
         count: u32,
         (normal, nearest_m): (DVec3, f64),

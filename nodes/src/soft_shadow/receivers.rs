@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, DVec4};
 use shadowgraph_engine::math::{Aabb, Plane};
-use shadowgraph_engine::scene::{Instance, Posed};
+use shadowgraph_engine::scene::{Instance, SceneSnapshot};
 use shadowgraph_engine::shadow::{LightContext, PassList, ShadowError};
 
 /// A vertex in f32 that was computed to lie in a plane lies this share of its coordinates off it, or less: 8 roundings.
@@ -147,10 +147,10 @@ impl Receiver {
 
 impl Receiver {
     /// The plane's axes in which its rectangle is smallest, among those along an edge of its largest triangle.
-    pub(super) fn axes(&self, posed: &Posed) -> (DVec3, DVec3) {
+    pub(super) fn axes(&self, snapshot: &SceneSnapshot) -> (DVec3, DVec3) {
         let normal = self.flat.plane.normal;
         let triangles = self.instances.iter().flat_map(|index| {
-            let instance = &posed.instances[*index];
+            let instance = &snapshot.instances[*index];
             (0..instance.mesh.triangle_count()).map(|triangle| instance.world_triangle(triangle))
         });
         let area = |[a, b, c]: &[DVec3; 3]| (*b - *a).cross(*c - *a).length_squared();
@@ -161,15 +161,15 @@ impl Receiver {
             Some((u, normal.cross(u)))
         });
         let size = |(u, v): &(DVec3, DVec3)| {
-            let (low, high) = self.extent(posed, *u, *v);
+            let (low, high) = self.extent(snapshot, *u, *v);
             (high - low).element_product()
         };
         axes.min_by(|p, q| size(p).total_cmp(&size(q))).unwrap_or((DVec3::X, DVec3::Z))
     }
 
     /// Its rectangle in the plane's axes.
-    pub(super) fn extent(&self, posed: &Posed, u: DVec3, v: DVec3) -> (DVec2, DVec2) {
-        let instances = self.instances.iter().map(|index| &posed.instances[*index]);
+    pub(super) fn extent(&self, snapshot: &SceneSnapshot, u: DVec3, v: DVec3) -> (DVec2, DVec2) {
+        let instances = self.instances.iter().map(|index| &snapshot.instances[*index]);
         let vertices =
             instances.flat_map(|i| (0..i.mesh.positions().len() as u32).map(|v| i.world_position(v)));
         vertices.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| {

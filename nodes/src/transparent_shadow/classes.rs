@@ -24,7 +24,7 @@ use shadowgraph_engine::shadow::{
 };
 
 use super::{Tinted, counting_draws, layers_of, shader, transmit, weight_of};
-use crate::common::listed::Layout;
+use crate::common::ray_candidates::Layout;
 use crate::layout;
 
 /// `struct Class` of transparent_shadow.wgsl.

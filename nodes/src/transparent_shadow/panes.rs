@@ -1,5 +1,5 @@
 //! Transparent parts that are not evenly tinted, textured or with vertex colours, point by point: at every pixel the
-//! triangles in the light's way are asked what they let pass where it crosses them (see [`crate::common::listed`]).
+//! triangles in the light's way are asked what they let pass where it crosses them (see [`crate::common::ray_candidates`]).
 //!
 //! A line through an edge of two triangles crosses one of them, and a triangle that several cells of the grid list counts
 //! once. What passes is computed for each crossing in 32-bit floats; the visibility is multiplied by the product.
@@ -12,7 +12,7 @@ use shadowgraph_engine::shadow::{
     Channels, ColorTarget, Contribution, LightContext, Pass, PassList, ShadowError, hash_of,
 };
 
-use crate::common::listed::{Corners, Layout, Listed, Run};
+use crate::common::ray_candidates::{Corners, Layout, RayCandidates, Run};
 use crate::layout;
 
 /// `struct PaneTriangle` of transparent_panes.wgsl.
@@ -63,7 +63,7 @@ pub(super) fn cast(
     out: &mut PassList<'_>,
     parts: &[(&Instance, usize)],
 ) -> Result<Contribution, ShadowError> {
-    let mut listed: Listed<PaneTriangle, PaneCaster> = Listed::default();
+    let mut candidates: RayCandidates<PaneTriangle, PaneCaster> = RayCandidates::default();
     let position = light.light().position;
     for &(instance, part) in parts {
         let material = &instance.materials[part];
@@ -73,15 +73,15 @@ pub(super) fn cast(
         let run = light.cache.get_or_compute("pane triangles", key, || {
             Run::new(instance, part, texture.as_ref(), position, |corners| triangle(instance, &corners))
         });
-        listed.push(run, key, texture.map(|texture| texture.image), record(light, instance, material));
+        candidates.push(run, key, texture.map(|texture| texture.image), record(light, instance, material));
     }
-    if listed.is_empty() {
+    if candidates.is_empty() {
         return Ok(Contribution::default());
     }
     let bounds = parts.iter().fold(Aabb::EMPTY, |bounds, (caster, _)| bounds.union(&caster.world_bounds));
-    let draws = listed.draws((light, out), "tinted triangles", &bounds, shader, MULTIPLY)?;
+    let draws = candidates.draws((light, out), "tinted triangles", &bounds, shader, MULTIPLY)?;
     let name = &light.light().name;
-    let count = listed.parts();
+    let count = candidates.parts();
     out.pass(Pass {
         name: format!("panes of {name}"),
         reason: format!("{count} casters of many colours between {name} and the view: asked at every pixel"),

@@ -9,7 +9,7 @@ use shadowgraph_engine::plan::{
 };
 use shadowgraph_engine::render::{Adapter, FrameError, FrameRequest, plan_frame};
 use shadowgraph_engine::scene::{
-    Camera, Content, Instance, Light, Material, MeshNode, NodeKey, ParamValue, Params, PosedCamera, Scene,
+    Camera, CameraSnapshot, Content, Instance, Light, Material, MeshNode, NodeKey, ParamValue, Params, Scene,
     ShadowFlags, ShadowNode,
 };
 use shadowgraph_engine::shadow::{
@@ -89,8 +89,8 @@ pub fn hard(options: &[(&str, &str)]) -> ShadowNode {
     })
 }
 
-pub fn camera(eye: DVec3, target: DVec3) -> PosedCamera {
-    PosedCamera::looking(Camera::perspective("eye", 0.9), eye, target)
+pub fn camera(eye: DVec3, target: DVec3) -> CameraSnapshot {
+    CameraSnapshot::looking(Camera::perspective("eye", 0.9), eye, target)
 }
 
 /// A request of [`SIZE_PX`] from beside [`yard`]'s box, outside its shadow.
@@ -111,8 +111,8 @@ pub fn try_plan_with(
     adapter: &Adapter<'_>,
     cache: &Cache,
 ) -> Result<FramePlan, FrameError> {
-    let posed = scene.pose().expect("the scene is valid");
-    plan_frame(&posed, &Registry::collect(&posed, catalog)?, request, adapter, cache)
+    let snapshot = scene.snapshot().expect("the scene is valid");
+    plan_frame(&snapshot, &Registry::collect(&snapshot, catalog)?, request, adapter, cache)
 }
 
 pub fn try_plan(scene: &Scene, request: &FrameRequest) -> Result<FramePlan, FrameError> {

@@ -48,8 +48,8 @@ fn a_cap_casts_exactly_like_a_lid() {
     let lid = open_box("lid", [0.0, 0.6, 0.0], 0.5, &[0, 1, 3, 4, 5]);
     lidded.add_mesh(shadowgraph_testing::mesh(lid), Material::default(), DAffine3::IDENTITY);
     lidded.add_shadow("shadows", ShadowVolumeHard::default());
-    let (posed, registry) = renderer.posed(&lidded).unwrap();
-    let reference = Reference::new(&posed).render(
+    let (snapshot, registry) = renderer.snapshot(&lidded).unwrap();
+    let reference = Reference::new(&snapshot).render(
         &from_inside.camera,
         from_inside.size_px,
         &queries(&registry),

@@ -53,12 +53,12 @@ fn the_picture_is_darkened_once_where_any_light_is_blocked() {
     let (multi, multi_factors, _) =
         rendered(&mut renderer, &with_node(&base, ShadowVolumeHard::default()), &view, true);
     assert!(factors == multi_factors, "factors are each light's own in both");
-    let (posed, _) = renderer.posed(&base).unwrap();
+    let (snapshot, _) = renderer.snapshot(&base).unwrap();
     let [mut lit, mut once, mut twice, mut flagged, mut sky] = [0; 5];
     for pixel in 0..ids.len() {
         let radiance = |image: &[f32]| image[pixel * 4];
         let before = radiance(&unshadowed);
-        let Some(instance) = posed.instances.get(ids[pixel][0] as usize) else {
+        let Some(instance) = snapshot.instances.get(ids[pixel][0] as usize) else {
             sky += 1;
             assert_eq!(radiance(&picture), before, "the sky is no receiver");
             continue;

@@ -48,7 +48,7 @@ pub(crate) fn with_node(scene: &Scene, node: ShadowVolumeHard) -> Scene {
 
 pub(crate) fn request(eye: DVec3, target: DVec3) -> FrameRequest {
     let camera = Camera::perspective("eye", 50_f64.to_radians());
-    FrameRequest::new(PosedCamera::looking(camera, eye, target), SIZE_PX)
+    FrameRequest::new(CameraSnapshot::looking(camera, eye, target), SIZE_PX)
 }
 
 /// The errors of every light, printed as a table.

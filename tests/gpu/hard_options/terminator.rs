@@ -55,7 +55,7 @@ fn only_the_far_sides_of_solids_change_and_factors_never_do() {
         ] {
             let (after, same_ids, same_factors) = linear(&mut renderer, &with_node(&base, node), &view);
             assert!(ids == same_ids && factors == same_factors, "{node:?}: factors are geometric");
-            let (posed, _) = renderer.posed(&base).unwrap();
+            let (snapshot, _) = renderer.snapshot(&base).unwrap();
             let (mut changed, mut brighter) = (0, 0);
             for pixel in 0..ids.len() {
                 let [instance, triangle] = ids[pixel];
@@ -64,7 +64,7 @@ fn only_the_far_sides_of_solids_change_and_factors_never_do() {
                 }
                 changed += 1;
                 brighter += usize::from(after[pixel * 4] > before[pixel * 4]);
-                let instance = &posed.instances[instance as usize];
+                let instance = &snapshot.instances[instance as usize];
                 let [a, b, c] = instance.world_triangle(triangle as usize);
                 let turned_away = (b - a).cross(c - a).dot(light - a) < 0.0;
                 assert!(
@@ -98,14 +98,14 @@ fn the_far_side_of_a_lone_ball_is_as_its_normals_say() {
         // Nothing but the ball, so no pixel of it may be in anybody's shadow: brightness follows the normals everywhere.
         let view = FrameRequest { size_px: [512, 512], ..request(p(-1.5, 1.5, 2.5), DVec3::ZERO) };
         let (picture, ids, _) = linear(&mut renderer, &with_node(&base, smooth()), &view);
-        let (posed, _) = renderer.posed(&base).unwrap();
+        let (snapshot, _) = renderer.snapshot(&base).unwrap();
         let width = view.size_px[0] as usize;
         for pixel in width + 1..ids.len() - width - 1 {
             let [instance, triangle] = ids[pixel];
             if instance != 0 {
                 continue;
             }
-            let [a, b, c] = posed.instances[0].world_triangle(triangle as usize);
+            let [a, b, c] = snapshot.instances[0].world_triangle(triangle as usize);
             if (b - a).cross(c - a).dot(light - a) >= 0.0 {
                 continue;
             }

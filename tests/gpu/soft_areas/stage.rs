@@ -83,7 +83,7 @@ impl Stage {
     /// What is looked at.
     pub(crate) fn request() -> FrameRequest {
         let camera = Camera::perspective("eye", 0.9);
-        FrameRequest::new(PosedCamera::looking(camera, DVec3::new(3.5, 5.0, 4.5), DVec3::ZERO), SIZE_PX)
+        FrameRequest::new(CameraSnapshot::looking(camera, DVec3::new(3.5, 5.0, 4.5), DVec3::ZERO), SIZE_PX)
     }
 
     /// The factors of `quality` at the floor.

@@ -39,7 +39,7 @@ impl Executor {
         for slot in &plan.slots {
             check_slot(gpu, slot)?;
             let bytes = match &slot.kind {
-                SlotKind::Image { image } => match inputs.posed.images.get(image) {
+                SlotKind::Image { image } => match inputs.snapshot.images.get(image) {
                     Some(image) => Materials::check(gpu, image)?,
                     None => 0,
                 },
@@ -53,13 +53,13 @@ impl Executor {
         }
         let mut images = HashSet::new();
         for material in materials.values() {
-            for (image, srgb) in Materials::images(material, &inputs.posed.images) {
+            for (image, srgb) in Materials::images(material, &inputs.snapshot.images) {
                 if images.insert((Arc::as_ptr(&image) as usize, srgb)) {
                     need.add(format!("image '{}'", image.name), Materials::check(gpu, &image)?);
                 }
             }
         }
-        let instances = (inputs.posed.instances.len() * size_of::<InstanceUniform>()) as u64;
+        let instances = (inputs.snapshot.instances.len() * size_of::<InstanceUniform>()) as u64;
         check_buffer(gpu, || "the list of instances".into(), BufferUsage::Storage, instances)?;
         need.add("the list of instances".into(), instances);
         for id in inputs.read_back {
@@ -115,14 +115,14 @@ fn drawn<'a>(
         match &draw.geometry {
             Geometry::Surfaces { parts, .. } | Geometry::PulledSurfaces { parts, .. } => {
                 for (instance, part) in parts {
-                    let instance = &inputs.posed.instances[*instance as usize];
+                    let instance = &inputs.snapshot.instances[*instance as usize];
                     meshes.insert(instance.mesh.id(), &*instance.mesh);
                     let material = &instance.materials[*part as usize];
                     materials.insert(Arc::as_ptr(material) as usize, material);
                 }
             }
             Geometry::Indexed { instance, .. } => {
-                let mesh = &inputs.posed.instances[*instance as usize].mesh;
+                let mesh = &inputs.snapshot.instances[*instance as usize].mesh;
                 meshes.insert(mesh.id(), mesh);
             }
             Geometry::IndexedProcedural { .. } | Geometry::Procedural { .. } => {}

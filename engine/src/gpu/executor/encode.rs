@@ -19,7 +19,7 @@ use crate::plan::{
     Antialias, Binding, BlendState, CompareFunction, Draw, FactorAt, FramePlan, Geometry, Pass, PulledStyle,
     Shader, SlotId, SlotKind, SurfaceStyle,
 };
-use crate::scene::{Instance, Material, Posed};
+use crate::scene::{Instance, Material, SceneSnapshot};
 
 /// The flags of surface_shade for what a draw reads, by binding number (the depth of samples is number 3, weights of
 /// shadows number 7), and at numbers that no binding has: whether a visibility has one channel, whether any light has
@@ -54,7 +54,7 @@ fn factor_flag(factor: FactorAt) -> u32 {
 /// What recording needs to know besides the executor's own stores.
 pub(super) struct Scene<'a> {
     pub(super) plan: &'a FramePlan,
-    pub(super) posed: &'a Posed,
+    pub(super) snapshot: &'a SceneSnapshot,
     pub(super) slots: &'a [GpuSlot],
     pub(super) frame_group: &'a wgpu::BindGroup,
 }
@@ -186,7 +186,7 @@ impl Executor {
                 }
             }
             Geometry::Indexed { shader, instance, indices, first, count, record } => {
-                let mesh = &scene.posed.instances[*instance as usize];
+                let mesh = &scene.snapshot.instances[*instance as usize];
                 self.set_pipeline(recording, shader, Surface::Technique { indexed: true }, render)?;
                 let group = self.draw_group(scene, draw, Some(mesh), None, groups);
                 render.set_bind_group(1, &group, &[]);
@@ -216,7 +216,7 @@ impl Executor {
         render: &mut wgpu::RenderPass<'_>,
     ) -> Result<(), GpuError> {
         let Recording { scene, draw, .. } = *recording;
-        let instance = &scene.posed.instances[index as usize];
+        let instance = &scene.snapshot.instances[index as usize];
         let material = &instance.materials[part as usize];
         let triangles = &instance.mesh.data().parts[part as usize].triangles;
         let run = triangles.start * 3..triangles.end * 3;
@@ -248,7 +248,7 @@ impl Executor {
         render: &mut wgpu::RenderPass<'_>,
     ) -> Result<(), GpuError> {
         let Recording { scene, draw, .. } = *recording;
-        let instance = &scene.posed.instances[index as usize];
+        let instance = &scene.snapshot.instances[index as usize];
         let material = &instance.materials[part as usize];
         let triangles = &instance.mesh.data().parts[part as usize].triangles;
         let surface = Surface::Pulled { style, culling: culling_of(instance, material) };
@@ -310,7 +310,7 @@ impl Executor {
         instance: &Instance,
         material: &Material,
     ) -> Result<Shader, GpuError> {
-        let mut features = features(material, &instance.mesh, scene.posed.lights.len());
+        let mut features = features(material, &instance.mesh, scene.snapshot.lights.len());
         if scene.plan.antialias == Antialias::Multisample4
             && draw.state.depth_compare == CompareFunction::Equal
         {

@@ -18,7 +18,7 @@ use super::stretched::Stretched;
 use super::{Quality, ShadowVolumeSoft};
 use crate::GeometryMode;
 use crate::common::culling::shows_its_inside;
-use crate::common::listed::{GridPlane, Layout};
+use crate::common::ray_candidates::{GridPlane, Layout};
 use crate::common::volume::{CastShape, Half};
 use crate::shadow_volume_hard::note_left_out;
 
@@ -63,7 +63,7 @@ pub fn layouts() -> [(&'static str, Layout); 2] {
 
 /// What the shaders read of a light and its casters.
 #[derive(Default)]
-pub(super) struct Gathered {
+pub(super) struct LightData {
     /// Bindings 0 of the light, 1 to 5 of casters if there are any (edges, triangles, lists, clusters if needed, centres if there are several), 6
     /// and 7 of receivers (depth, normals).
     pub(super) bindings: Vec<(u32, Binding)>,
@@ -86,7 +86,7 @@ pub(super) struct Gathered {
 /// Drivers may bound how often a shader goes round, all its loops together: Mesa's software one to 65 535 times.
 const MOST_TURNS: usize = 60_000;
 
-impl Gathered {
+impl LightData {
     /// Whether lists are so long that shaders which walk them one by one, those of edges `walks` times and those of triangles
     /// once, are to take several at a turn.
     pub(super) fn has_long_lists(&self, walks: usize) -> bool {
@@ -98,11 +98,11 @@ impl Gathered {
 impl ShadowVolumeSoft {
     /// Gathers what casts for this light. Without casters, what is left is the light itself, which surfaces still see
     /// partly beyond their horizon.
-    pub(super) fn gather(
+    pub(super) fn light_data(
         &self,
         light: &LightContext<'_>,
         out: &mut PassList<'_>,
-    ) -> Result<Gathered, ShadowError> {
+    ) -> Result<LightData, ShadowError> {
         let ball = self.ball(light);
         let mut left_out = Vec::new();
         let mut chains: Vec<(Arc<CasterChain>, u64)> = Vec::new();
@@ -144,7 +144,7 @@ impl ShadowVolumeSoft {
         if chains.is_empty() {
             return self.bind(light, out, None);
         }
-        let receivers = light.posed.world_bounds;
+        let receivers = light.snapshot.world_bounds;
         let keys: Vec<u64> = chains.iter().map(|(_, key)| *key).collect();
         let camera = &light.view.camera;
         // Orthographic depths are as coarse everywhere as at a distance of their whole range.
@@ -158,11 +158,11 @@ impl ShadowVolumeSoft {
             [receivers.min, receivers.max].map(|corner| corner.to_array().map(f64::to_bits)),
             eye_m.to_bits(),
         ));
-        let gathered = light.cache.get_or_compute("soft chains", key, || {
+        let data = light.cache.get_or_compute("soft chains", key, || {
             let grid = SoftGrid::new(ball, &bounds, &receivers, eye_m);
             Chains::new(grid, chains.iter().map(|(chain, _)| chain.as_ref()))
         });
-        self.bind(light, out, Some((&gathered, key)))
+        self.bind(light, out, Some((&data, key)))
     }
 
     /// The light as a ball that holds every disc it is seen as from further away than two radii.
@@ -182,7 +182,7 @@ impl ShadowVolumeSoft {
         let bounds = instance.world_bounds;
         // Bounds grown by as far as the way to a sample may be from the way to the centre.
         let reach_m = if ball.position.w == 0.0 {
-            2.0 * light.posed.world_bounds.union(&light.view.receiver_bounds).radius() * ball.radius
+            2.0 * light.snapshot.world_bounds.union(&light.view.receiver_bounds).radius() * ball.radius
         } else if !self.may_be_close(light) {
             2.0 * ball.radius
         } else {
@@ -250,7 +250,7 @@ impl ShadowVolumeSoft {
         light: &LightContext<'_>,
         out: &mut PassList<'_>,
         chains: Option<(&Chains, u64)>,
-    ) -> Result<Gathered, ShadowError> {
+    ) -> Result<LightData, ShadowError> {
         let name = light.light().name.clone();
         let head = Arc::new(bytes_of(&self.head(light, chains.map(|(chains, _)| chains))).to_vec());
         let storage = |out: &mut PassList<'_>, what: &str, key: u64, bytes: &Arc<Vec<u8>>, reason: &str| {
@@ -260,7 +260,7 @@ impl ShadowVolumeSoft {
         let reason = "where the light is, as the eye sees it, and how it looks at casters";
         let slot = storage(out, "soft light", hash_of(&head), &head, reason);
         let mut bindings = vec![(0, Binding::Storage(slot))];
-        let mut gathered = Gathered::default();
+        let mut data = LightData::default();
         if let Some((chains, key)) = chains {
             for (binding, what, bytes, reason) in [
                 (1, "soft edges", &chains.edges, "what can be a silhouette before the light"),
@@ -282,30 +282,30 @@ impl ShadowVolumeSoft {
                     packed(light, out, &format!("soft centers of {name}"), (slot, centers.len()), None)?;
                 bindings.push((5, Binding::Texture(packed)));
             }
-            gathered.clusters = chains.near_clusters > 0 || self.may_be_close(light);
-            if gathered.clusters {
+            data.clusters = chains.near_clusters > 0 || self.may_be_close(light);
+            if data.clusters {
                 let reason = "triangles that receivers ask at the light";
                 bindings.push((
                     4,
                     Binding::Storage(storage(out, "soft clusters", key, &chains.clusters, reason)),
                 ));
             }
-            gathered.beside = !chains.beside.is_empty();
-            if gathered.beside {
+            data.beside = !chains.beside.is_empty();
+            if data.beside {
                 let reason = "triangles as a light sees them that all but touches a caster";
                 let slot = storage(out, "beside the soft light", key, &chains.beside, reason);
                 let (name, key) = (format!("beside {name}"), hash_of(("beside the soft light", key)));
                 let packed = packed(light, out, &name, (slot, chains.beside.len()), Some(key))?;
                 bindings.push((8, Binding::Texture(packed)));
             }
-            gathered.casters = chains.centers.len();
-            gathered.edges = chains.edge_count;
-            gathered.longest_lists = chains.longest_lists;
-            gathered.triangles = chains.triangle_count;
+            data.casters = chains.centers.len();
+            data.edges = chains.edge_count;
+            data.longest_lists = chains.longest_lists;
+            data.triangles = chains.triangle_count;
         }
         bindings.push((6, Binding::Texture(out.receiver_depth())));
         bindings.push((7, Binding::Texture(out.receiver_planes())));
-        Ok(Gathered { bindings, on_layer: light.layer().is_some(), ..gathered })
+        Ok(LightData { bindings, on_layer: light.layer().is_some(), ..data })
     }
 
     /// Whether something in view may receive so close to the light that lists do not hold there.

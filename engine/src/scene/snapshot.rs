@@ -72,7 +72,7 @@ impl Instance {
 
 /// A light at its place in the world.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PosedLight {
+pub struct LightSnapshot {
     /// The node it comes from.
     pub node: NodeKey,
     /// Its key.
@@ -87,7 +87,7 @@ pub struct PosedLight {
     pub direction: DVec3,
 }
 
-impl PosedLight {
+impl LightSnapshot {
     /// Whether `point` lies within the light's range and cone; beyond them the factor is 1 and not compared.
     pub fn reaches(&self, point: DVec3) -> bool {
         if self.position.w == 0.0 {
@@ -132,7 +132,7 @@ impl PosedLight {
 
 /// A camera at its place in the world.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PosedCamera {
+pub struct CameraSnapshot {
     /// Its key; `None` for a camera that is not in the scene.
     pub key: Option<CameraKey>,
     /// Its name.
@@ -143,7 +143,7 @@ pub struct PosedCamera {
     pub projection: Projection,
 }
 
-impl PosedCamera {
+impl CameraSnapshot {
     /// A camera outside any scene, at `eye` looking at `target`.
     pub fn looking(camera: Camera, eye: DVec3, target: DVec3) -> Self {
         let world_from_view = super::content::look_at(eye, target);
@@ -176,34 +176,34 @@ impl PosedCamera {
     }
 }
 
-/// A shadow node with its scopes resolved to lights and instances of the posed scene.
+/// A shadow node with its scopes resolved to lights and instances of the scene's snapshot.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PosedShadowNode {
+pub struct ShadowNodeSnapshot {
     /// Its key.
     pub key: ShadowKey,
     /// The node's name.
     pub name: String,
     /// Technique and options.
     pub shadow: ShadowNode,
-    /// Indices into [`Posed::lights`], ascending.
+    /// Indices into [`SceneSnapshot::lights`], ascending.
     pub lights: Vec<usize>,
-    /// Indices into [`Posed::instances`], ascending; only instances that may cast.
+    /// Indices into [`SceneSnapshot::instances`], ascending; only instances that may cast.
     pub casters: Vec<usize>,
-    /// Indices into [`Posed::instances`], ascending; only instances that may receive.
+    /// Indices into [`SceneSnapshot::instances`], ascending; only instances that may receive.
     pub receivers: Vec<usize>,
 }
 
 /// The scene at one moment.
 #[derive(Clone, Debug)]
-pub struct Posed {
+pub struct SceneSnapshot {
     /// Every visible mesh, parents first: also the order of drawing.
     pub instances: Vec<Instance>,
     /// Every visible light.
-    pub lights: Vec<PosedLight>,
+    pub lights: Vec<LightSnapshot>,
     /// Every camera.
-    pub cameras: Vec<PosedCamera>,
+    pub cameras: Vec<CameraSnapshot>,
     /// Every visible shadow node.
-    pub shadow_nodes: Vec<PosedShadowNode>,
+    pub shadow_nodes: Vec<ShadowNodeSnapshot>,
     /// The box around all instances, in the world.
     pub world_bounds: Aabb,
     /// The images materials refer to.
@@ -220,9 +220,9 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] when a node's transform is not finite, a key leads nowhere, or a light or camera has values
     /// outside what its kind allows; the message names the node.
-    pub fn pose(&self) -> Result<Posed, SceneError> {
+    pub fn snapshot(&self) -> Result<SceneSnapshot, SceneError> {
         self.deformed.begin_pose();
-        let mut posed = Posed {
+        let mut snapshot = SceneSnapshot {
             instances: Vec::new(),
             lights: Vec::new(),
             cameras: Vec::new(),
@@ -273,8 +273,8 @@ impl Scene {
                     if !corners_finite && !world_bounds.is_empty() {
                         return Err(SceneError::BadTransform { node: label(key, node) });
                     }
-                    posed.world_bounds = posed.world_bounds.union(&world_bounds);
-                    posed.instances.push(Instance {
+                    snapshot.world_bounds = snapshot.world_bounds.union(&world_bounds);
+                    snapshot.instances.push(Instance {
                         node: key,
                         name: label(key, node),
                         pose_key: pose_key(mesh.id(), &world_from_local),
@@ -291,13 +291,13 @@ impl Scene {
                 Content::Light(light_key) => {
                     let light =
                         self.light(*light_key).ok_or_else(|| missing("light", format!("{light_key:?}")))?;
-                    posed.lights.push(posed_light(key, *light_key, light, &world_from_local)?);
+                    snapshot.lights.push(light_snapshot(key, *light_key, light, &world_from_local)?);
                 }
                 Content::Camera(camera_key) => {
                     let camera = self
                         .camera(*camera_key)
                         .ok_or_else(|| missing("camera", format!("{camera_key:?}")))?;
-                    posed.cameras.push(posed_camera(*camera_key, camera, &world_from_local)?);
+                    snapshot.cameras.push(camera_snapshot(*camera_key, camera, &world_from_local)?);
                 }
                 Content::Shadow(shadow_key) => {
                     let shadow = self
@@ -307,16 +307,22 @@ impl Scene {
                 }
             }
         }
-        name_lights(&mut posed.lights);
-        posed.shadow_nodes = shadow_nodes
+        name_lights(&mut snapshot.lights);
+        snapshot.shadow_nodes = shadow_nodes
             .into_iter()
-            .map(|(key, name, shadow)| self.resolve(&posed, key, name, shadow))
+            .map(|(key, name, shadow)| self.resolve(&snapshot, key, name, shadow))
             .collect();
-        Ok(posed)
+        Ok(snapshot)
     }
 
-    /// Resolves a shadow node's scopes against the posed scene.
-    fn resolve(&self, posed: &Posed, key: ShadowKey, name: String, shadow: ShadowNode) -> PosedShadowNode {
+    /// Resolves a shadow node's scopes against the scene's snapshot.
+    fn resolve(
+        &self,
+        snapshot: &SceneSnapshot,
+        key: ShadowKey,
+        name: String,
+        shadow: ShadowNode,
+    ) -> ShadowNodeSnapshot {
         let scope = |scope: &Scope| -> Option<HashSet<NodeKey>> {
             match scope {
                 Scope::All => None,
@@ -328,15 +334,17 @@ impl Scene {
         let named =
             |scope: &Option<HashSet<NodeKey>>, node| scope.as_ref().is_none_or(|nodes| nodes.contains(&node));
         let pick = |scope, wanted: fn(&Instance) -> bool| {
-            let chosen = posed.instances.iter().enumerate();
+            let chosen = snapshot.instances.iter().enumerate();
             chosen
                 .filter(|(_, i)| wanted(i) && named(scope, i.node))
                 .map(|(index, _)| index)
                 .collect::<Vec<_>>()
         };
-        PosedShadowNode {
-            lights: (0..posed.lights.len())
-                .filter(|i| posed.lights[*i].light.casts_shadows && named(&lights, posed.lights[*i].node))
+        ShadowNodeSnapshot {
+            lights: (0..snapshot.lights.len())
+                .filter(|i| {
+                    snapshot.lights[*i].light.casts_shadows && named(&lights, snapshot.lights[*i].node)
+                })
                 .collect(),
             casters: pick(&casters, |instance| instance.shadow.casts),
             receivers: pick(&receivers, |instance| instance.shadow.receives),
@@ -355,12 +363,12 @@ fn pose_key(mesh_id: u64, world_from_local: &DAffine3) -> u64 {
     hasher.finish()
 }
 
-fn posed_light(
+fn light_snapshot(
     node: NodeKey,
     key: LightKey,
     light: &Light,
     world_from_local: &DAffine3,
-) -> Result<PosedLight, SceneError> {
+) -> Result<LightSnapshot, SceneError> {
     let bad = |problem: &str| SceneError::BadContent {
         what: "light",
         name: light.name.clone(),
@@ -387,14 +395,14 @@ fn posed_light(
         LightKind::Directional => DVec4::from((-direction, 0.0)),
         _ => DVec4::from((world_from_local.translation, 1.0)),
     };
-    Ok(PosedLight { node, key, name: light.name.clone(), light: light.clone(), position, direction })
+    Ok(LightSnapshot { node, key, name: light.name.clone(), light: light.clone(), position, direction })
 }
 
-fn posed_camera(
+fn camera_snapshot(
     key: CameraKey,
     camera: &Camera,
     world_from_local: &DAffine3,
-) -> Result<PosedCamera, SceneError> {
+) -> Result<CameraSnapshot, SceneError> {
     if !camera.projection.is_valid() {
         return Err(SceneError::BadContent {
             what: "camera",
@@ -407,7 +415,7 @@ fn posed_camera(
     let up = world_from_local.transform_vector3(DVec3::Y);
     let side = up.cross(back).try_normalize().unwrap_or_else(|| back.any_orthonormal_vector());
     let rotation = glam::DMat3::from_cols(side, back.cross(side), back);
-    Ok(PosedCamera {
+    Ok(CameraSnapshot {
         key: Some(key),
         name: camera.name.clone(),
         world_from_view: DAffine3::from_mat3_translation(rotation, eye),
@@ -416,7 +424,7 @@ fn posed_camera(
 }
 
 /// Gives every light a name that is a plain file name and that no other light has.
-fn name_lights(lights: &mut [PosedLight]) {
+fn name_lights(lights: &mut [LightSnapshot]) {
     let mut taken = HashSet::new();
     for (index, light) in lights.iter_mut().enumerate() {
         let plain: String = light

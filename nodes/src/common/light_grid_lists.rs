@@ -22,7 +22,7 @@ const LARGEST_BUDGET: usize = 1 << 23;
 /// each triangle: its number and how far along the plane's direction its nearest point lies (an f32).
 ///
 /// Cells are as small as the budget allows, for small cells have short lists.
-pub fn light_lists(grid: &LightGrid, triangles: &[[DVec3; 3]]) -> Vec<u32> {
+pub fn light_grid_lists(grid: &LightGrid, triangles: &[[DVec3; 3]]) -> Vec<u32> {
     let grid = fitted(grid, triangles);
     let (side, planes) = (grid.cells_per_side(), grid.planes());
     let cells = planes.len() * side * side;
@@ -101,7 +101,7 @@ mod tests {
             [DVec4::new(0.3, 1.0, 0.2, 0.0), DVec4::new(1.0, 5.0, 2.0, 1.0), DVec4::new(0.5, 0.6, 0.5, 1.0)]
         {
             let grid = LightGrid::new(light, &bounds);
-            let words = light_lists(&grid, &triangles);
+            let words = light_grid_lists(&grid, &triangles);
             let side = words[0] as usize;
             let mut asked = 0;
             assert!(side > 1);
@@ -140,11 +140,14 @@ mod tests {
     #[test]
     fn nothing_and_nonsense_do_not_panic() {
         let light = DVec4::new(0.0, 1.0, 0.0, 0.0);
-        let empty = light_lists(&LightGrid::new(light, &Aabb::from_points([])), &[]);
+        let empty = light_grid_lists(&LightGrid::new(light, &Aabb::from_points([])), &[]);
         assert_eq!(empty.len(), empty[0] as usize * empty[0] as usize + 2);
         let nonsense = [[DVec3::NAN, DVec3::X, DVec3::Y], [DVec3::MAX, DVec3::MIN, DVec3::ZERO]];
         for light in [light, DVec4::W, DVec4::new(f64::NAN, 1e300, 0.0, 1.0)] {
-            light_lists(&LightGrid::new(light, &Aabb::from_points([DVec3::ZERO, DVec3::ONE])), &nonsense);
+            light_grid_lists(
+                &LightGrid::new(light, &Aabb::from_points([DVec3::ZERO, DVec3::ONE])),
+                &nonsense,
+            );
         }
     }
 }

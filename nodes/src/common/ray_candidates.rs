@@ -2,7 +2,7 @@
 //!
 //! *The idea.* A volume knows triangles, not texels. So every pixel is asked: the visible point is rebuilt from its
 //! depth, and the segment from it to the light is tested against the triangles it may pass. Which these are is looked up
-//! in a grid the light looks through (see [`super::light_lists`]), that is, in lists made on the CPU and kept until a
+//! in a grid the light looks through (see [`super::light_grid_lists`]), that is, in lists made on the CPU and kept until a
 //! caster or the light moves. What a crossing means is for the technique's own shader to say.
 //!
 //! *Why nothing leaks.* The planes through the light and the edges are computed in f64, for both triangles of an edge
@@ -23,9 +23,9 @@ use shadowgraph_engine::plan::{BlendState, BufferDesc, CompareFunction, DrawStat
 use shadowgraph_engine::scene::{ImageKey, Instance, TexCoord, TextureRef};
 use shadowgraph_engine::shadow::{Binding, Draw, Geometry, LightContext, PassList, ShadowError, hash_of};
 
-use super::light_lists::light_lists;
+use super::light_grid_lists::light_grid_lists;
 
-/// `struct ListedCone` of common/light_lists.wgsl.
+/// `struct ListedCone` of common/light_grid_lists.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[allow(missing_docs, reason = "documented where the shader reads them")]
@@ -39,7 +39,7 @@ pub struct ListedCone {
     pub pad_1: u32,
 }
 
-/// `struct GridPlane` of common/light_lists.wgsl.
+/// `struct GridPlane` of common/light_grid_lists.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[allow(missing_docs, reason = "documented where the shader reads them")]
@@ -54,7 +54,7 @@ pub struct GridPlane {
     pub z_length: f32,
 }
 
-/// `struct ListView` of common/light_lists.wgsl.
+/// `struct ListView` of common/light_grid_lists.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[allow(missing_docs, reason = "documented where the shader reads them")]
@@ -82,7 +82,7 @@ macro_rules! layout {
     };
 }
 
-/// The structures of common/light_lists.wgsl as they are here: what the layout test compares.
+/// The structures of common/light_grid_lists.wgsl as they are here: what the layout test compares.
 pub fn layouts() -> [(&'static str, Layout); 3] {
     [
         ("ListedCone", layout!(ListedCone: bc, ca, ab, caster, owned_edges, pad_0, pad_1)),
@@ -195,18 +195,18 @@ struct Batch<T> {
 }
 
 /// All triangles that one light asks; `T` is what the technique's shader knows of a triangle, `C` of a caster.
-pub struct Listed<T, C> {
+pub struct RayCandidates<T, C> {
     batches: Vec<Batch<T>>,
     casters: Vec<C>,
 }
 
-impl<T, C> Default for Listed<T, C> {
+impl<T, C> Default for RayCandidates<T, C> {
     fn default() -> Self {
         Self { batches: vec![], casters: vec![] }
     }
 }
 
-impl<T: Pod + Send + Sync, C: Pod> Listed<T, C> {
+impl<T: Pod + Send + Sync, C: Pod> RayCandidates<T, C> {
     /// Adds a part; `key` is a hash of what its run was computed from. Parts without triangles are left out.
     pub fn push(&mut self, run: Arc<Run<T>>, key: u64, image: Option<ImageKey>, caster: C) {
         let count = run.cones.len();
@@ -315,7 +315,7 @@ fn batch_bytes<T: Pod>(
         BatchBytes {
             cones: bytes(cast_slice(&cones)),
             triangles: bytes(cast_slice(&triangles)),
-            lists: bytes(cast_slice(&light_lists(grid, &corners))),
+            lists: bytes(cast_slice(&light_grid_lists(grid, &corners))),
         }
     });
     (bytes, key)
