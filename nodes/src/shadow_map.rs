@@ -22,7 +22,7 @@
 
 mod options;
 
-use shadowgraph_engine::plan::{CompareFunction, DrawState, MULTIPLY, Shader};
+use shadowgraph_engine::plan::{CompareFunction, DrawState, MULTIPLY, Shader, ShaderError};
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
     Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, Options, Pass, PassList, ShadowError,
@@ -65,11 +65,9 @@ impl ShadowTechnique for ShadowMap {
         let Some(maps) = ShadowMaps::new(light, out, &buffers, &views, self.biases())? else {
             return Ok(Contribution::default());
         };
-        let taps = format!("PCF_{}", self.pcf);
         let mut flags = views.flags();
-        flags.push(&taps);
         flags.extend(self.biases().map(|_| "BIASED"));
-        let shader = Shader::composed("shadow_map", &flags, "fullscreen_vertex", Some("darken"))?;
+        let shader = self.look_up(&flags)?;
         let state = DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]);
         let draw = Draw::new("look up", Geometry::fullscreen(shader), state).reading(maps.bindings(out));
         let (name, pcf) = (&light.light().name, self.pcf);
@@ -85,6 +83,14 @@ impl ShadowTechnique for ShadowMap {
 }
 
 impl ShadowMap {
+    /// The shader that compares so many texels.
+    fn look_up(&self, flags: &[&str]) -> Result<Shader, ShaderError> {
+        let taps = format!("const TAPS: i32 = {};\n", self.pcf);
+        let source = shadowgraph_shaders::compose_replacing("shadow_map", flags, "common/map_taps", &taps)?;
+        let name = format!("shadow_map of {} texels {}", self.pcf, flags.join(" "));
+        Ok(Shader::of(&name, source, "fullscreen_vertex", Some("darken")))
+    }
+
     /// Which triangles of an instance are drawn.
     fn drawn(&self, instance: &Instance) -> Drawn {
         match self.faces {

@@ -35,6 +35,7 @@ modules![
     "common/light_grid_lists",
     "common/light_samples",
     "common/lights",
+    "common/map_taps",
     "common/material",
     "common/positions",
     "common/receiver_depth",

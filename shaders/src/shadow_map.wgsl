@@ -1,37 +1,13 @@
 // What of a light reaches each pixel, as its maps tell: comparisons first, and the mean of them after.
 
+#import common/map_taps
 #import common/shadow_maps
 #import common/fullscreen
-
-#if PCF_1
-const TAPS: i32 = 1;
-#endif
-#if PCF_2
-const TAPS: i32 = 2;
-#endif
-#if PCF_3
-const TAPS: i32 = 3;
-#endif
-#if PCF_4
-const TAPS: i32 = 4;
-#endif
-#if PCF_5
-const TAPS: i32 = 5;
-#endif
-#if PCF_6
-const TAPS: i32 = 6;
-#endif
-#if PCF_7
-const TAPS: i32 = 7;
-#endif
 
 // The share of a square around the receiver that is lit: as wide as the texels asked along a side, less one, so that it moves on
 // without a step. One texel is asked alone.
 fn lit_share(number: u32, receiver: Receiver) -> f32 {
     let asked = question(number, receiver);
-#if PCF_1
-    return select(1.0, 0.0, is_dark(vec2i(floor(asked.at.xy)), asked));
-#else
     const WIDTH: f32 = f32(TAPS - 1);
     let low = clamp(asked.at.xy - 0.5 * WIDTH, vec2f(-1e6), vec2f(1e6));
     let first = floor(low);
@@ -40,12 +16,12 @@ fn lit_share(number: u32, receiver: Receiver) -> f32 {
     for (var y = 0; y < TAPS; y += 1) {
         let row = select(select(1.0, rest.y, y == TAPS - 1), 1.0 - rest.y, y == 0);
         for (var x = 0; x < TAPS; x += 1) {
-            let weight = row * select(select(1.0, rest.x, x == TAPS - 1), 1.0 - rest.x, x == 0);
+            let column = select(select(1.0, rest.x, x == TAPS - 1), 1.0 - rest.x, x == 0);
+            let weight = select(row * column, 1.0, TAPS == 1);
             dark += select(0.0, weight, is_dark(vec2i(first) + vec2i(x, y), asked));
         }
     }
-    return saturate(1.0 - dark / (WIDTH * WIDTH));
-#endif
+    return saturate(1.0 - dark / max(WIDTH * WIDTH, 1.0));
 }
 
 @fragment
