@@ -5,9 +5,8 @@
 //! sizes from a fixed series and begin on multiples of whole texels, counted from a fixed place, so that texels lie where they
 //! lay while the eye or a caster moves a little, and what did not move is not drawn again.
 //!
-//! Everything is composed in f64. Depth is reversed: 1 near, and 0 at the end of an orthographic view or infinitely far.
-//! (Perspective depths are floats that fall to 0, which are as exact far away as near. So the far plane of paper 003 §8.2.1.2
-//! has nothing to gain; what lies beyond all receivers is left out instead.)
+//! Everything is composed in f64. Depth is reversed: 1 near, and 0 at the far plane, which each view has where the last of what
+//! receives lies along it (paper 003 §8.2.1.2): a lamp that is far away is then as exact as one that is near.
 
 use glam::{DAffine3, DMat3, DMat4, DVec2, DVec3, DVec4};
 use shadowgraph_engine::math::{Aabb, Plane};
@@ -18,8 +17,10 @@ use shadowgraph_engine::shadow::View;
 const STEPS: u32 = 32;
 /// Windows have sizes of this many steps for each power of two.
 const SIZES: f64 = 8.0;
-/// A window is at least this share of how large it could be, or of its other side.
+/// A window is at least this share of its other side.
 const LEAST_SHARE: f64 = 1e-4;
+/// And at least this wide, a metre before the light.
+const LEAST_WIDTH: f64 = 1e-9;
 /// Nothing is nearer to a light, relative to how far away casters are: there depth would leave the range of f32.
 const NEAREST: f64 = 1e-7;
 /// A spot that opens wider than this is seen in six views.
@@ -35,10 +36,12 @@ pub enum Depth {
         /// In metres.
         range_m: f64,
     },
-    /// near / distance along the view.
+    /// Linear in 1 / distance along the view.
     Perspective {
         /// In metres.
         near_m: f64,
+        /// In metres.
+        far_m: f64,
     },
 }
 
@@ -81,12 +84,15 @@ impl LightView {
                 DVec4::Z / range_m,
                 DVec4::new(-middle.x, -middle.y, -end_m / range_m, 1.0),
             ),
-            Depth::Perspective { near_m } => DMat4::from_cols(
-                DVec4::X * scale.x,
-                DVec4::Y * scale.y,
-                DVec4::new(middle.x, middle.y, 0.0, -1.0),
-                DVec4::Z * near_m,
-            ),
+            Depth::Perspective { near_m, far_m } => {
+                let steepness = near_m / (far_m - near_m);
+                DMat4::from_cols(
+                    DVec4::X * scale.x,
+                    DVec4::Y * scale.y,
+                    DVec4::new(middle.x, middle.y, steepness, -1.0),
+                    DVec4::Z * (steepness * far_m),
+                )
+            }
         }
     }
 
@@ -151,7 +157,7 @@ fn snapped(low: f64, high: f64, size: MapSize) -> (f64, f64) {
 
 /// The window around both corners.
 fn window(low: DVec2, high: DVec2, least: f64, size: MapSize) -> [DVec2; 2] {
-    let wider = (high - low).max_element().max(least) * LEAST_SHARE;
+    let wider = (high - low).max_element() * LEAST_SHARE;
     let grown = (DVec2::splat(wider.max(least)) - (high - low)).max(DVec2::ZERO) * 0.5;
     let (low, high) = (low - grown, high + grown);
     let (x, y) = (snapped(low.x, high.x, size), snapped(low.y, high.y, size));
@@ -269,9 +275,12 @@ fn perspective_view(
     if end_m == 0.0 {
         return None;
     }
-    let near_m = (nearest_m * (1.0 - 1e-6)).max(NEAREST * end_m);
-    let window = window(least, most, widest * LEAST_SHARE, size);
-    Some(LightView { origin, light_from_world, window, depth: Depth::Perspective { near_m } })
+    // A little more than there is between them.
+    let slack_m = 1e-3 * (farthest_m - nearest_m.max(0.0)) + 1e-9 * farthest_m;
+    let near_m = (nearest_m - slack_m).max(NEAREST * end_m);
+    let far_m = (farthest_m + slack_m).max(near_m * (1.0 + 1e-9));
+    let window = window(least, most, LEAST_WIDTH, size);
+    Some(LightView { origin, light_from_world, window, depth: Depth::Perspective { near_m, far_m } })
 }
 
 /// The corners of what a view sees of `bounds` between two distances along it, in metres.

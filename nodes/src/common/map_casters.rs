@@ -110,19 +110,21 @@ fn has_nothing_behind(
     let Some(plane) = *plane else { return false };
     let position = light.light().position;
     let height = plane.normal.dot(position.truncate()) - plane.offset * position.w;
-    let lost = FLAT * (instance.world_bounds.radius() + instance.world_bounds.center().length());
+    let lost = lost_of(&instance.world_bounds);
     if height.abs() <= lost * position.w {
         return false;
     }
     let side = if height > 0.0 { plane } else { Plane { normal: -plane.normal, offset: -plane.offset } };
     receivers.iter().filter(|(receiver, _)| *receiver != index).all(|(_, bounds)| {
-        let lost = lost + FLAT * bounds.radius();
+        let lost = lost + lost_of(bounds);
         bounds.corners().iter().all(|corner| side.height(*corner) >= -lost)
     })
 }
 
-/// What is off a plane by less than this share of a caster's distance and size lies in it.
-const FLAT: f64 = 1e-7;
+/// How far off a plane something within `bounds` may be and yet lie in it: what f32 loses of its size, and f64 of its place.
+fn lost_of(bounds: &Aabb) -> f64 {
+    1e-7 * bounds.radius() + 1e-14 * bounds.center().length()
+}
 
 /// The plane in which all of an instance lies, if there is one.
 fn plane_of(instance: &Instance) -> Option<Plane> {
@@ -134,7 +136,7 @@ fn plane_of(instance: &Instance) -> Option<Plane> {
         })
         .max_by(|(_, a), (_, b)| a.length_squared().total_cmp(&b.length_squared()))?;
     let plane = Plane::through(largest.0, largest.1);
-    let lost = FLAT * (instance.world_bounds.radius() + instance.world_bounds.center().length());
+    let lost = lost_of(&instance.world_bounds);
     let lies_in = |vertex: u32| plane.height(instance.world_position(vertex)).abs() <= lost;
     (plane.normal != DVec3::ZERO && (0..mesh.positions().len() as u32).all(lies_in)).then_some(plane)
 }

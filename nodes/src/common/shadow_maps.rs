@@ -247,7 +247,7 @@ impl ShadowMaps {
         let bits = |view: &LightView| {
             let depth = match view.depth {
                 Depth::Orthographic { end_m, range_m } => [end_m, range_m],
-                Depth::Perspective { near_m } => [near_m, 0.0],
+                Depth::Perspective { near_m, far_m } => [near_m, far_m],
             };
             let [low, high] = view.window;
             let numbers = [low.x, low.y, high.x, high.y, depth[0], depth[1]];
@@ -317,8 +317,8 @@ fn describe(view: &LightView, texels: u32) -> String {
         Depth::Orthographic { .. } => {
             format!("{texels} x {texels} texels on {:.3} x {:.3} m", size.x, size.y)
         }
-        Depth::Perspective { near_m } => format!(
-            "{texels} x {texels} texels on {:.3} x {:.3} m at 1 m, from {near_m:.3e} m on",
+        Depth::Perspective { near_m, far_m } => format!(
+            "{texels} x {texels} texels on {:.3} x {:.3} m at 1 m, from {near_m:.3e} m to {far_m:.3e} m",
             size.x, size.y
         ),
     }
@@ -347,9 +347,11 @@ fn fill(record: &mut MapViewRecord, view: &LightView, light: &LightContext<'_>, 
             record.depth_per_m = (1.0 / range_m) as f32;
             record.absolute_loss = DEPTH_ROUNDINGS as f32;
         }
-        Depth::Perspective { near_m } => {
-            record.depth_per_m = near_m as f32;
+        Depth::Perspective { near_m, far_m } => {
+            record.depth_per_m = (near_m * far_m / (far_m - near_m)) as f32;
+            // Of near / distance, which is this share of depth and so much more.
             record.relative_loss = DEPTH_ROUNDINGS as f32;
+            record.absolute_loss = (DEPTH_ROUNDINGS * near_m / far_m) as f32;
         }
     }
 }
