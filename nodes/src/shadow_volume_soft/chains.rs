@@ -10,7 +10,7 @@ use super::clusters::clusters;
 use super::lists::{ListedEdge, SoftGrid};
 use super::near_light_triangles::near_lists;
 
-/// `struct SoftCluster` of soft_light.wgsl.
+/// `struct SoftCluster` of soft_near.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[allow(missing_docs, reason = "documented where the shader reads them")]
