@@ -19,14 +19,16 @@
 //! Which side of the plane is lit is decided by the eye: what is seen is the side it is on. Points of the light on the
 //! other side are dark there.
 //!
-//! This file says what is drawn; `options` how it is asked for, `receivers` where, `casters` what, `points` from where, and
-//! `overlap` whether a receiver has places that more than one of its triangles covers.
+//! This file says what is drawn; `options` how it is asked for, `receivers` where, `casters` what (their part `above_plane`, in
+//! `batches`), `points` from where, and `overlap` whether a receiver has places that more than one of its triangles covers.
 //!
 //! *Limits.* `samples` points give steps in penumbrae, and an error that falls about as samples^-0.8. Rasterisation
 //! snaps vertices to 1/256 pixel. A caster within the light's own sphere is before some points of the ball that are
 //! behind it on the disc, and behind others: up to 0.1 of the factor is wrong there whatever the samples (it would
 //! take the distance along the ray, pixel by pixel). Receivers that are not planar are refused.
 
+mod above_plane;
+mod batches;
 mod canvas;
 mod casters;
 mod draws;
@@ -45,10 +47,10 @@ use shadowgraph_engine::shadow::{
 };
 
 use crate::common::beside_light::distance_to_triangle;
+pub use batches::MaskedCorner;
 use canvas::{Canvas, Targets};
 pub use canvas::{PlanarLight, PlanarTexture, planar_layouts};
 use casters::Casters;
-pub use casters::MaskedCorner;
 pub use options::{MAX_RESOLUTION, MAX_SAMPLES, PlanarMode, SoftShadow};
 use points::LightPoints;
 pub use receivers::{Flat, NotPlanar};
@@ -86,17 +88,19 @@ impl ShadowTechnique for SoftShadow {
         self.refuse_lamps_beside_casters(light)?;
         let receivers = Receiver::all(light, out)?;
         let lit: Vec<Lit> = receivers.iter().map(|receiver| Lit::new(self, light, receiver)).collect();
-        // Turned to the light or away from it as a whole, a receiver's own shadow is the engine's to know.
-        let cut = lit.iter().any(|lit| lit.is_cut());
+        // Turned to the light or away from it as a whole, a receiver's own shadow is the engine's to know, unless another
+        // node's disc reaches over its horizon.
+        let is_wide = self.light_size().is_wide(light.light().position);
+        let horizons = lit.iter().any(|lit| lit.is_cut()) || (is_wide && light.is_beside_size());
         let (mut in_picture, mut shades) = (BTreeMap::new(), false);
         for (receiver, lit) in receivers.iter().zip(&lit) {
-            if cut || !lit.is_dark() {
+            if horizons || !lit.is_dark() {
                 shades |= self.shade(light, out, (receiver, lit), &mut in_picture)?;
             }
         }
         Ok(Contribution {
             visibility: shades.then_some(Channels::One),
-            own_shadow: cut,
+            own_shadow: horizons,
             apply: Apply::Light { weight: self.weight, color: self.color },
             ..Contribution::default()
         })

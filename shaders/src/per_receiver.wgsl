@@ -3,6 +3,7 @@
 // what it covers beside the centre, or leaves: see common/disc_coverage.
 
 #import common/soft_light
+#import common/soft_seen
 #import common/soft_near
 #import common/soft_question
 #import common/disc_coverage

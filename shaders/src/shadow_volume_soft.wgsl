@@ -5,6 +5,7 @@
 
 #import common/light_samples
 #import common/soft_light
+#import common/soft_seen
 #import common/soft_near
 #import common/soft_question
 

@@ -39,6 +39,17 @@ fn column(height: f32) -> MeshData {
     )
 }
 
+/// A bowl on three legs.
+fn tripod() -> MeshData {
+    let bowl = [[0.0, 0.9], [0.18, 0.93], [0.32, 1.05], [0.38, 1.22]];
+    let leg = |turn: f64| {
+        let lean =
+            placed(DVec3::ZERO, DQuat::from_rotation_y(turn) * DQuat::from_rotation_z(0.16), DVec3::ONE);
+        frustum(0.02, 0.02, 1.0, 8, Ends::Closed).moved(Vec3::X * 0.36).transformed(&lean)
+    };
+    MeshData::merged("tripod", [lathe(&bowl.map(Vec2::from), 32), leg(0.0), leg(2.094), leg(4.189)])
+}
+
 pub(super) fn columns() -> Scene {
     let mut set = Set::new();
     let temple = set.scene.add_group("temple");
@@ -84,14 +95,7 @@ pub(super) fn columns() -> Scene {
     for (i, x) in [-5.25, -3.15, 1.05, 3.15].into_iter().enumerate() {
         set.place(temple, "banner", banner, cloth, stand(x, 4.14, -2.0, f64::from(i as u32 % 2) * 180.0));
     }
-    let bowl = [[0.0, 0.9], [0.18, 0.93], [0.32, 1.05], [0.38, 1.22]];
-    let leg = |turn: f64| {
-        let lean =
-            placed(DVec3::ZERO, DQuat::from_rotation_y(turn) * DQuat::from_rotation_z(0.16), DVec3::ONE);
-        frustum(0.02, 0.02, 1.0, 8, Ends::Closed).moved(Vec3::X * 0.36).transformed(&lean)
-    };
-    let tripod = [lathe(&bowl.map(Vec2::from), 32), leg(0.0), leg(2.094), leg(4.189)];
-    let tripod = set.shape(MeshData::merged("tripod", tripod));
+    let tripod = set.shape(tripod());
     for (x, z) in [(0.6, 2.6), (-4.4, 2.8)] {
         set.place(temple, "tripod", tripod, bronze, stand(x, 0.0, z, 20.0));
     }

@@ -278,7 +278,7 @@ fn what_has_no_samples_is_refused_with_what_is_accepted() {
     let mut scene = shadowgraph_testing::yard();
     scene.add_shadow("fog", ShadowNode::new("Veil"));
     let plan = |scene: &Scene, request: &FrameRequest, adapter: &Adapter<'_>| {
-        let catalog = shadowgraph_testing::catalog_with_veil();
+        let catalog = shadowgraph_testing::catalog_with(&[shadowgraph_testing::VEIL]);
         shadowgraph_testing::try_plan_with(scene, request, &catalog, adapter, &Cache::new())
     };
     let error = plan(&scene, &four, &Adapter::imagined()).unwrap_err();

@@ -81,13 +81,13 @@ fn differing(
     count
 }
 
-#[test]
-fn every_option_gives_the_same_factors() {
-    let Some(mut renderer) = shadowgraph_testing::renderer() else { return };
-    const OPTIONS: usize = 12;
+const OPTIONS: usize = 12;
+
+/// Options that must give the factors of `auto`. Floors cast and are open, so that `geometry=closed` is always refused and not
+/// among these.
+fn options() -> [(&'static str, ShadowVolumeHard); OPTIONS] {
     let auto = ShadowVolumeHard::default();
-    // Floors cast and are open, so that `geometry=closed` is always refused and not among these.
-    let options: [(&str, ShadowVolumeHard); OPTIONS] = [
+    [
         ("depthTest=zpass", ShadowVolumeHard { depth_test: DepthTest::ZPass, ..auto }),
         ("depthTest=zfail", ShadowVolumeHard { depth_test: DepthTest::ZFail, ..auto }),
         ("geometry=open", ShadowVolumeHard { geometry: GeometryMode::Open, ..auto }),
@@ -124,7 +124,34 @@ fn every_option_gives_the_same_factors() {
                 ..auto
             },
         ),
-    ];
+    ]
+}
+
+/// The case with other options; `None` where these are refused as they may be: zpass where the near plane may be in shadow,
+/// toBounds where no plane serves, single for masks, which are no counts, and beside nodes that take away the light itself.
+fn measured_with(
+    renderer: &mut Renderer,
+    case: &Case,
+    name: &str,
+    node: ShadowVolumeHard,
+) -> Option<Measured> {
+    match shadowgraph_testing::measure(renderer, &with_options(case, node), &request(case)) {
+        Ok(measured) => Some(measured),
+        Err(RenderError::Shadow(_) | RenderError::Frame(_))
+            if name.ends_with("zpass")
+                || name.ends_with("toBounds")
+                || (name.ends_with("single") && ["alpha-mask", "turned-from-centre"].contains(&case.id)) =>
+        {
+            None
+        }
+        Err(error) => panic!("{} {name}: {error}", case.name()),
+    }
+}
+
+#[test]
+fn every_option_gives_the_same_factors() {
+    let Some(mut renderer) = shadowgraph_testing::renderer() else { return };
+    let options = options();
     let mut accepted_by = [0; OPTIONS];
     let mut totals = [Differing::default(); OPTIONS];
     let mut failures = Vec::new();
@@ -133,22 +160,7 @@ fn every_option_gives_the_same_factors() {
         let reference = reference(&mut renderer, case);
         let first = shadowgraph_testing::measure(&mut renderer, &case.scene, &request(case)).unwrap();
         for (index, (name, node)) in options.iter().enumerate() {
-            let other =
-                match shadowgraph_testing::measure(&mut renderer, &with_options(case, *node), &request(case))
-                {
-                    Ok(other) => other,
-                    // zpass is refused where the near plane may be in shadow, toBounds where no plane serves, single for
-                    // masks, which are no counts, and beside nodes that take away the light itself.
-                    Err(RenderError::Shadow(_) | RenderError::Frame(_))
-                        if name.ends_with("zpass")
-                            || name.ends_with("toBounds")
-                            || (name.ends_with("single")
-                                && ["alpha-mask", "turned-from-centre"].contains(&case.id)) =>
-                    {
-                        continue;
-                    }
-                    Err(error) => panic!("{} {name}: {error}", case.name()),
-                };
+            let Some(other) = measured_with(&mut renderer, case, name, *node) else { continue };
             assert!(first.ids == other.ids, "{} {name}: another surface is seen", case.name());
             let count = differing(&first, &other, &reference, |ids| ids);
             accepted_by[index] += 1;

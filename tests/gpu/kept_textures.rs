@@ -1,26 +1,16 @@
 //! Textures that outlive a frame: drawn once for a key, again for another, and never taken for what they are not.
 
-use std::sync::Arc;
-
 use shadowgraph::engine::plan::{
     self, Access, BlendState, CompareFunction, DrawState, Lifetime, Load, MULTIPLY, PlanError, Resource,
     Shader, TextureDesc, TextureFormat,
 };
 use shadowgraph::engine::render::Frame;
-use shadowgraph::engine::scene::{Instance, ParamValue, Params};
+use shadowgraph::engine::scene::{ParamValue, Params};
 use shadowgraph::engine::shadow::{
-    Binding, Catalog, Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, OptionError,
-    OptionTable, Pass, PassList, ShadowError, ShadowTechnique, TechniqueEntry, Traits,
+    Binding, Channels, ColorTarget, Contribution, Draw, Geometry, Pass, TechniqueEntry,
 };
 use shadowgraph::prelude::*;
-
-/// Draws 1/4 into one kept texture, adds twice that into a second, and darkens its light by what is in the second.
-/// Every draw beyond what one key needs is one too many, and doubles what is seen.
-#[derive(Debug)]
-struct Keeper {
-    key: u64,
-    size: u32,
-}
+use shadowgraph_testing::{Plain, catalog_with, renderer_with, technique};
 
 const TEXT: &str = "
 #import common/fullscreen
@@ -48,23 +38,17 @@ fn pass(name: &str, color: ColorTarget, draw: Draw) -> Pass {
     Pass { name: name.into(), reason: "a test".into(), colors: vec![color], depth: None, draws: vec![draw] }
 }
 
-impl ShadowTechnique for Keeper {
-    fn params(&self) -> Params {
-        let number = |value: f64| ParamValue::Number(value);
-        [("key".into(), number(self.key as f64)), ("size".into(), number(self.size.into()))].into()
-    }
-
-    fn traits(&self) -> Traits {
-        Traits { known_error: "everything", ..Traits::default() }
-    }
-
-    fn casts(&self, _: &Instance) -> Result<bool, String> {
-        Ok(true)
-    }
-
-    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
-        let (format, size) = (TextureFormat::R16Float, [self.size; 2]);
-        let lifetime = Lifetime::Kept(self.key);
+/// Draws 1/4 into one kept texture, adds twice that into a second, and darkens its light by what is in the second.
+/// Every draw beyond what one key needs is one too many, and doubles what is seen.
+fn keeper(params: &Params) -> Plain {
+    let number = |name: &str| match params.get(name) {
+        Some(ParamValue::Number(value)) => *value,
+        _ => 8.0,
+    };
+    let (key, size) = (number("key") as u64, number("size") as u32);
+    Plain::new(move |light, out| {
+        let (format, size) = (TextureFormat::R16Float, [size; 2]);
+        let lifetime = Lifetime::Kept(key);
         let mut kept =
             |name| out.texture(TextureDesc { lifetime, ..TextureDesc::new(name, format, size, "a test") });
         let (first, second) = (kept("first"), kept("second"));
@@ -82,29 +66,11 @@ impl ShadowTechnique for Keeper {
         let name = format!("apply to {}", light.light().name);
         out.pass(pass(&name, ColorTarget::VISIBILITY, fullscreen("copy", MULTIPLY, from(second))));
         Ok(Contribution::visibility(Channels::One))
-    }
+    })
+    .with_params(params)
 }
 
-fn keeper(params: &Params) -> Result<Arc<dyn ShadowTechnique>, OptionError> {
-    let number = |name: &str| match params.get(name) {
-        Some(ParamValue::Number(value)) => *value,
-        _ => 8.0,
-    };
-    Ok(Arc::new(Keeper { key: number("key") as u64, size: number("size") as u32 }))
-}
-
-fn catalog() -> Catalog {
-    let mut catalog = shadowgraph_nodes::catalog();
-    catalog.register(TechniqueEntry {
-        type_name: "Keeper",
-        short_name: "keeper",
-        summary: "a test",
-        settings: &[],
-        from_params: keeper,
-        options: OptionTable::none,
-    });
-    catalog
-}
+const KEEPER: [TechniqueEntry; 1] = [technique!("Keeper", keeper)];
 
 /// The yard with a node for each (key, size), each with a lamp of its own.
 fn yard(nodes: &[(u64, u32)]) -> Scene {
@@ -145,11 +111,7 @@ fn drawn(frame: &Frame) -> usize {
 
 #[test]
 fn a_kept_texture_is_drawn_once_for_each_key() {
-    let Some(mut renderer) =
-        shadowgraph_testing::renderer().map(|renderer| Renderer::new(renderer.gpu().clone(), catalog()))
-    else {
-        return;
-    };
+    let Some(mut renderer) = renderer_with(&KEEPER) else { return };
     let counts = |renderer: &mut Renderer, nodes: &[(u64, u32)]| drawn(&render(renderer, nodes));
     assert_eq!(counts(&mut renderer, &[(1, 8)]), 3);
     assert_eq!(counts(&mut renderer, &[(1, 8)]), 0);
@@ -173,13 +135,9 @@ fn a_kept_texture_is_drawn_once_for_each_key() {
 
 #[test]
 fn what_is_kept_ends_with_its_device_and_is_nobody_elses() {
-    let Some(mut renderer) =
-        shadowgraph_testing::renderer().map(|renderer| Renderer::new(renderer.gpu().clone(), catalog()))
-    else {
-        return;
-    };
+    let Some(mut renderer) = renderer_with(&KEEPER) else { return };
     assert_eq!(drawn(&render(&mut renderer, &[(1, 8)])), 3);
-    let mut other = Renderer::new(renderer.gpu().clone(), catalog());
+    let mut other = Renderer::new(renderer.gpu().clone(), catalog_with(&KEEPER));
     assert_eq!(drawn(&render(&mut other, &[(1, 8)])), 3);
     assert_eq!(drawn(&render(&mut renderer, &[(1, 8)])), 0);
     renderer.gpu().device.destroy();
@@ -190,11 +148,7 @@ fn what_is_kept_ends_with_its_device_and_is_nobody_elses() {
 
 #[test]
 fn a_frame_that_fails_leaves_nothing_that_counts_as_drawn() {
-    let Some(mut renderer) =
-        shadowgraph_testing::renderer().map(|renderer| Renderer::new(renderer.gpu().clone(), catalog()))
-    else {
-        return;
-    };
+    let Some(mut renderer) = renderer_with(&KEEPER) else { return };
     // The scene's own shader does not compile on the device, after the passes of the kept textures were recorded.
     let request = shadowgraph_testing::request();
     let plan = renderer.plan(&yard(&[(1, 8)]), &request).unwrap();
@@ -227,7 +181,7 @@ fn plans_say_what_is_kept_and_refuse_what_cannot_be() {
         shadowgraph_testing::try_plan_with(
             &yard(nodes),
             &shadowgraph_testing::request(),
-            &catalog(),
+            &catalog_with(&KEEPER),
             &adapter,
             &cache,
         )

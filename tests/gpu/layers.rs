@@ -2,71 +2,37 @@
 
 mod pictures;
 
-use std::sync::Arc;
-
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use shadowgraph::cases::{self, Case};
 use shadowgraph::engine::geometry::shapes::{icosphere, plane, quad};
 use shadowgraph::engine::plan::{FramePlan, SlotKind};
 use shadowgraph::engine::render::{Adapter, FrameError};
-use shadowgraph::engine::scene::{AlphaMode, Instance, ParamValue, Params};
-use shadowgraph::engine::shadow::{
-    Cache, Catalog, Contribution, Layers, LightContext, OptionTable, PassList, ShadowError, ShadowTechnique,
-    TechniqueEntry, Traits,
-};
+use shadowgraph::engine::scene::{AlphaMode, ParamValue};
+use shadowgraph::engine::shadow::{Cache, Layers, ShadowTechnique, TechniqueEntry, Traits};
 use shadowgraph::measure::{
     ErrorTable, LayerEvaluation, LightQuery, LightSize, Reference, ReferenceShadow, Samples, SizedCasters,
     evaluate, evaluate_layers,
 };
 use shadowgraph::nodes::ShadowVolumeHard;
 use shadowgraph::prelude::*;
+use shadowgraph_testing::{Plain, catalog_with, renderer_with, technique};
 
 /// Hard shadows of what is opaque, on layers too.
-#[derive(Debug)]
-struct HardOnLayers(ShadowVolumeHard, Layers);
-
-impl ShadowTechnique for HardOnLayers {
-    fn params(&self) -> Params {
-        self.0.params()
-    }
-
-    fn traits(&self) -> Traits {
-        Traits { receiver_layers: self.1, ..self.0.traits() }
-    }
-
-    fn casts(&self, instance: &Instance) -> Result<bool, String> {
-        self.0.casts(instance)
-    }
-
-    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
-        self.0.plan(light, out)
-    }
+fn on_layers(receiver_layers: Layers) -> Plain {
+    let hard = ShadowVolumeHard::default();
+    Plain::new(move |light, out| hard.plan(light, out))
+        .with_traits(Traits { receiver_layers, ..hard.traits() })
+        .casting(move |instance| hard.casts(instance))
 }
 
-fn catalog() -> Catalog {
-    let mut catalog = shadowgraph_nodes::catalog();
-    catalog.register(ReferenceShadow::ENTRY);
-    let entry = TechniqueEntry {
-        type_name: "HardOnLayers",
-        short_name: "on-all",
-        summary: "a test",
-        settings: &[],
-        from_params: |_| Ok(Arc::new(HardOnLayers(ShadowVolumeHard::default(), Layers::All))),
-        options: OptionTable::none,
-    };
-    catalog.register(entry);
-    catalog.register(TechniqueEntry {
-        type_name: "HardOnFirst",
-        short_name: "on-first",
-        from_params: |_| Ok(Arc::new(HardOnLayers(ShadowVolumeHard::default(), Layers::First))),
-        options: OptionTable::none,
-        ..entry
-    });
-    catalog
-}
+const ON_LAYERS: [TechniqueEntry; 3] = [
+    ReferenceShadow::ENTRY,
+    technique!("HardOnLayers", |_| on_layers(Layers::All)),
+    technique!("HardOnFirst", |_| on_layers(Layers::First)),
+];
 
 fn renderer() -> Option<Renderer> {
-    Some(Renderer::new(shadowgraph_testing::renderer()?.gpu().clone(), catalog()))
+    renderer_with(&ON_LAYERS)
 }
 
 fn blended(color: Vec3, alpha: f32) -> Material {
@@ -131,7 +97,7 @@ fn glass_case(name: &str) -> Case {
 }
 
 fn scene_of(case: &Case, technique: &str, options: &[(&str, &str)]) -> Scene {
-    let entry = *catalog().find(technique).unwrap();
+    let entry = *catalog_with(&ON_LAYERS).find(technique).unwrap();
     let params = options.iter().map(|(name, value)| ((*name).into(), ParamValue::Text((*value).into())));
     case.scene_with(&entry, &params.collect()).unwrap()
 }
@@ -301,7 +267,13 @@ fn only_the_nearest_layer_is_shadowed_when_that_is_asked_for() {
 }
 
 fn plan_of(scene: &Scene, request: &FrameRequest) -> Result<FramePlan, FrameError> {
-    shadowgraph_testing::try_plan_with(scene, request, &catalog(), &Adapter::imagined(), &Cache::new())
+    shadowgraph_testing::try_plan_with(
+        scene,
+        request,
+        &catalog_with(&ON_LAYERS),
+        &Adapter::imagined(),
+        &Cache::new(),
+    )
 }
 
 #[test]

@@ -7,58 +7,19 @@ use shadowgraph::engine::plan::{
     Access, BufferDesc, CompareFunction, DrawState, MULTIPLY, PlanError, Shader, Slot, SlotKind, Stencil,
     StencilFaceState, StencilOperation, TextureDesc, TextureFormat,
 };
-use shadowgraph::engine::scene::{Instance, ParamValue, Params};
+use shadowgraph::engine::scene::ParamValue;
 use shadowgraph::engine::shadow::{
-    Binding, Catalog, Channels, ColorTarget, Contribution, DepthTarget, Draw, Geometry, LightContext,
-    OptionTable, Pass, PassList, ShadowError, ShadowTechnique, TechniqueEntry, Traits, hash_of,
+    Binding, Channels, ColorTarget, Contribution, DepthTarget, Draw, Geometry, Pass, PassList, ShadowError,
+    TechniqueEntry, hash_of,
 };
 use shadowgraph::prelude::*;
+use shadowgraph_testing::{Plain, catalog_with, over_visibility, pass, renderer_with, technique};
 
-type Plan = fn(&LightContext<'_>, &mut PassList<'_>) -> Result<Contribution, ShadowError>;
-
-/// A technique that does what it is made with.
-#[derive(Debug)]
-struct Does(Plan);
-
-impl ShadowTechnique for Does {
-    fn params(&self) -> Params {
-        Params::new()
-    }
-
-    fn traits(&self) -> Traits {
-        Traits { known_error: "everything", ..Traits::default() }
-    }
-
-    fn casts(&self, _: &Instance) -> Result<bool, String> {
-        Ok(true)
-    }
-
-    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
-        (self.0)(light, out)
-    }
-}
-
+/// A technique of one plan.
 macro_rules! does {
     ($plan:expr) => {
-        TechniqueEntry {
-            type_name: "Does",
-            short_name: "does",
-            summary: "a test",
-            settings: &[],
-            from_params: |_| Ok(Arc::new(Does($plan))),
-            options: OptionTable::none,
-        }
+        technique!("Does", |_| Plain::new($plan))
     };
-}
-
-fn catalog(entry: TechniqueEntry) -> Catalog {
-    let mut catalog = shadowgraph_nodes::catalog();
-    catalog.register(entry);
-    catalog
-}
-
-fn renderer(entry: TechniqueEntry) -> Option<Renderer> {
-    Some(Renderer::new(shadowgraph_testing::renderer()?.gpu().clone(), catalog(entry)))
 }
 
 /// A crate over a floor under one lamp, with such a node.
@@ -69,7 +30,7 @@ fn scene() -> Scene {
 }
 
 fn plan(entry: TechniqueEntry) -> Result<shadowgraph::engine::plan::FramePlan, ShadowError> {
-    let (catalog, adapter) = (catalog(entry), shadowgraph::engine::render::Adapter::imagined());
+    let (catalog, adapter) = (catalog_with(&[entry]), shadowgraph::engine::render::Adapter::imagined());
     let cache = &shadowgraph::engine::shadow::Cache::new();
     shadowgraph_testing::try_plan_with(&scene(), &shadowgraph_testing::request(), &catalog, &adapter, cache)
         .map_err(|error| match error {
@@ -78,13 +39,9 @@ fn plan(entry: TechniqueEntry) -> Result<shadowgraph::engine::plan::FramePlan, S
         })
 }
 
-fn pass(name: &str, draws: Vec<Draw>) -> Pass {
-    Pass { name: name.into(), reason: "a test".into(), colors: vec![], depth: None, draws }
-}
-
 /// The factor of the first light, over a floor that fills the picture.
 fn factor(entry: TechniqueEntry) -> Option<(Vec<f32>, [usize; 2])> {
-    let mut renderer = renderer(entry)?;
+    let mut renderer = renderer_with(&[entry])?;
     let down = shadowgraph_testing::camera(DVec3::new(0.0, 3.0, 0.01), DVec3::ZERO);
     let request = FrameRequest { factors: true, ..FrameRequest::new(down, [64, 48]) };
     let frame = renderer.render(&scene(), &request, &RenderOptions::default()).unwrap();
@@ -122,10 +79,7 @@ fn slots_of_one_name_and_shape_are_two_textures() {
             out.pass(Pass { colors: vec![ColorTarget::new(texture, load)], ..pass("twin", vec![]) });
         }
         let shader = Shader::written("read", TEXT, &[], "fullscreen_vertex", Some("read"))?;
-        let state = DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]);
-        let draw = Draw::new("read", Geometry::fullscreen(shader), state);
-        let draws = vec![draw.reading(vec![(0, Binding::Texture(first))])];
-        out.pass(Pass { colors: vec![ColorTarget::VISIBILITY], ..pass("read", draws) });
+        out.pass(over_visibility("read", shader, Some(MULTIPLY), vec![(0, Binding::Texture(first))]));
         Ok(Contribution::visibility(Channels::One))
     });
     let Some((factor, _)) = factor(twins) else { return };
@@ -226,11 +180,9 @@ fn map(out: &mut PassList<'_>, layer: u32, viewport_px: [u32; 4]) -> Result<Cont
     out.pass(Pass { depth: onto(0, 0.25), ..pass("first map", vec![]) });
     out.pass(Pass { depth: onto(layer, 0.0), ..pass("second map", vec![near]) });
     let shader = Shader::written("maps", MAPS, &[], "fullscreen_vertex", Some("looked_up"))?;
-    let state = DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]);
-    let look_up = Draw::new("look up", Geometry::fullscreen(shader), state);
     let compare = Binding::Comparison(CompareFunction::LessEqual);
-    let draws = vec![look_up.reading(vec![(0, Binding::TextureArray(maps)), (1, compare)])];
-    out.pass(Pass { colors: vec![ColorTarget::VISIBILITY], ..pass("look up", draws) });
+    let bindings = vec![(0, Binding::TextureArray(maps)), (1, compare)];
+    out.pass(over_visibility("look up", shader, Some(MULTIPLY), bindings));
     Ok(Contribution::visibility(Channels::One))
 }
 

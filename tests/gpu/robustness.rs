@@ -5,14 +5,12 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
 use shadowgraph::engine::gpu::{GpuError, Pixels};
-use shadowgraph::engine::plan::{CompareFunction, DrawState, Shader};
+use shadowgraph::engine::plan::Shader;
 use shadowgraph::engine::render::Frame;
-use shadowgraph::engine::scene::{Image, Params, TextureRef};
-use shadowgraph::engine::shadow::{
-    Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, OptionTable, Pass, PassList,
-    ShadowError, ShadowTechnique, TechniqueEntry, Traits,
-};
+use shadowgraph::engine::scene::{Image, TextureRef};
+use shadowgraph::engine::shadow::{Channels, Contribution, TechniqueEntry};
 use shadowgraph::prelude::*;
+use shadowgraph_testing::{Plain, catalog_with, over_visibility, technique};
 
 fn scene() -> Scene {
     let mut scene = shadowgraph_testing::shadowed_yard(&[]);
@@ -187,72 +185,32 @@ fn what_exceeds_a_limit_is_named_with_the_limit() {
     assert_names(&error, &["reading back", "1024"]);
 }
 
-/// A technique that draws a fullscreen triangle over the light's visibility with whatever shader it is made with.
-#[derive(Debug)]
-struct Painter {
-    source: &'static str,
-    fragment: &'static str,
-}
-
-impl ShadowTechnique for Painter {
-    fn params(&self) -> Params {
-        Params::new()
-    }
-
-    fn traits(&self) -> Traits {
-        Traits { known_error: "everything", ..Traits::default() }
-    }
-
-    fn casts(&self, _: &shadowgraph::engine::scene::Instance) -> Result<bool, String> {
-        Ok(true)
-    }
-
-    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
-        let text = format!("#import common/fullscreen\n{}", self.source);
-        let shader = Shader::written("paint", &text, &[], "fullscreen_vertex", Some(self.fragment))?;
+/// A technique that draws a fullscreen triangle over the light's visibility with a shader.
+fn painter(source: &'static str, fragment: &'static str) -> Plain {
+    Plain::new(move |_, out| {
+        let text = format!("#import common/fullscreen\n{source}");
+        let shader = Shader::written("paint", &text, &[], "fullscreen_vertex", Some(fragment))?;
         let blend = Some(shadowgraph::engine::plan::MULTIPLY);
-        let state = DrawState::new(CompareFunction::Always, vec![blend]);
-        out.pass(Pass {
-            name: format!("paint {}", light.light().name),
-            reason: "a test".into(),
-            colors: vec![ColorTarget::VISIBILITY],
-            depth: None,
-            draws: vec![Draw::new("paint", Geometry::fullscreen(shader), state)],
-        });
+        out.pass(over_visibility("paint", shader, blend, vec![]));
         Ok(Contribution::visibility(Channels::One))
-    }
+    })
 }
 
 const HALF: &str = "@fragment fn paint() -> @location(0) vec4f { return vec4f(0.5); }";
 const QUARTER: &str = "@fragment fn paint() -> @location(0) vec4f { return vec4f(0.25); }";
 const BROKEN: &str = "@fragment fn paint() -> @location(0) vec4f { return 1u; }";
 
-macro_rules! painter {
-    ($name:literal, $source:expr, $fragment:literal) => {
-        TechniqueEntry {
-            type_name: $name,
-            short_name: $name,
-            summary: "a test",
-            settings: &[],
-            from_params: |_| Ok(Arc::new(Painter { source: $source, fragment: $fragment })),
-            options: OptionTable::none,
-        }
-    };
-}
-
 /// The factor that each of the painters leaves, one light each, at the middle of the picture.
 fn painted(painters: &[TechniqueEntry]) -> Result<Vec<f32>, RenderError> {
-    let mut catalog = shadowgraph_nodes::catalog();
     let mut scene = shadowgraph_testing::with_floor();
     shadowgraph_testing::add_box(&mut scene, "crate", shadowgraph_testing::at(9.0, 0.5, 0.0));
     for painter in painters {
-        catalog.register(*painter);
         let lamp = shadowgraph_testing::add_lamp(&mut scene, &format!("lamp of {}", painter.type_name));
         let mut node = ShadowNode::new(painter.type_name);
         node.lights = Scope::Nodes(vec![lamp]);
         scene.add_shadow(painter.type_name, node);
     }
-    let mut renderer = Renderer::new(open().unwrap(), catalog);
+    let mut renderer = Renderer::new(open().unwrap(), catalog_with(painters));
     let frame = render(&mut renderer, &scene)?;
     let [width, height] = shadowgraph_testing::SIZE_PX.map(|n| n as usize);
     let middle = height / 2 * width + width / 2;
@@ -264,7 +222,11 @@ fn shaders_of_one_name_and_different_texts_are_different_shaders() {
     if open().is_none() {
         return;
     }
-    let factors = painted(&[painter!("Half", HALF, "paint"), painter!("Quarter", QUARTER, "paint")]).unwrap();
+    let factors = painted(&[
+        technique!("Half", |_| painter(HALF, "paint")),
+        technique!("Quarter", |_| painter(QUARTER, "paint")),
+    ])
+    .unwrap();
     assert_eq!(factors, [0.5, 0.25]);
 }
 
@@ -273,12 +235,12 @@ fn shaders_that_do_not_compile_and_pipelines_that_do_not_fit_name_the_shader() {
     if open().is_none() {
         return;
     }
-    let Err(RenderError::Gpu(error)) = painted(&[painter!("Broken", BROKEN, "paint")]) else {
+    let Err(RenderError::Gpu(error)) = painted(&[technique!("Broken", |_| painter(BROKEN, "paint"))]) else {
         panic!("a number is no colour")
     };
     assert!(matches!(error, GpuError::Shader { .. }), "{error}");
     assert_names(&error, &["'paint'"]);
-    let Err(RenderError::Gpu(error)) = painted(&[painter!("Lost", HALF, "nowhere")]) else {
+    let Err(RenderError::Gpu(error)) = painted(&[technique!("Lost", |_| painter(HALF, "nowhere"))]) else {
         panic!("there is no such entry point")
     };
     assert!(matches!(error, GpuError::Pipeline { .. }), "{error}");

@@ -4,19 +4,11 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3};
-use shadowgraph::engine::plan::{BufferDesc, CompareFunction, DrawState, Shader, SlotKind};
-use shadowgraph::engine::scene::{Instance, NodeKey, Params, ShadowFlags};
-use shadowgraph::engine::shadow::{
-    Binding, Catalog, Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, OptionTable, Pass,
-    PassList, ShadowError, ShadowTechnique, TechniqueEntry, Traits, hash_of,
-};
+use shadowgraph::engine::plan::{BufferDesc, MULTIPLY, Shader, SlotKind};
+use shadowgraph::engine::scene::{NodeKey, ShadowFlags};
+use shadowgraph::engine::shadow::{Binding, Channels, Contribution, TechniqueEntry, hash_of};
 use shadowgraph::prelude::*;
-
-/// Leaves (1 + n·l)/2 in the visibility, for the direction l towards its light, and 0.25 where nothing receives.
-#[derive(Debug)]
-struct Facing {
-    decides: bool,
-}
+use shadowgraph_testing::{Plain, catalog_with, over_visibility, renderer_with, technique};
 
 const TEXT: &str = "
 #import common/frame
@@ -35,59 +27,23 @@ fn facing(@builtin(position) position: vec4f) -> @location(0) vec4f {
 }
 ";
 
-impl ShadowTechnique for Facing {
-    fn params(&self) -> Params {
-        Params::new()
-    }
-
-    fn traits(&self) -> Traits {
-        Traits { known_error: "everything", ..Traits::default() }
-    }
-
-    fn casts(&self, _: &Instance) -> Result<bool, String> {
-        Ok(true)
-    }
-
-    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
+/// Leaves (1 + n·l)/2 in the visibility, for the direction l towards its light, and 0.25 where nothing receives. It decides
+/// itself what is turned away, or leaves that to the engine.
+fn facing(own_shadow: bool) -> Plain {
+    Plain::new(move |light, out| {
         let bytes = bytemuck::cast_slice::<u32, u8>(&[light.light_index() as u32; 4]).to_vec();
         let key = hash_of(&bytes);
         let number = out.buffer(BufferDesc::storage("number", key, Arc::new(bytes), "a test"));
         let planes = out.receiver_planes();
         let shader = Shader::written("facing", TEXT, &[], "fullscreen_vertex", Some("facing"))?;
-        let blend = Some(shadowgraph::engine::plan::MULTIPLY);
-        let state = DrawState::new(CompareFunction::Always, vec![blend]);
-        let draw = Draw::new("facing", Geometry::fullscreen(shader), state);
-        out.pass(Pass {
-            name: format!("facing for {}", light.light().name),
-            reason: "a test".into(),
-            colors: vec![ColorTarget::VISIBILITY],
-            depth: None,
-            draws: vec![draw.reading(vec![(0, Binding::Storage(number)), (1, Binding::Texture(planes))])],
-        });
-        Ok(Contribution { own_shadow: self.decides, ..Contribution::visibility(Channels::One) })
-    }
+        let bindings = vec![(0, Binding::Storage(number)), (1, Binding::Texture(planes))];
+        out.pass(over_visibility("facing", shader, Some(MULTIPLY), bindings));
+        Ok(Contribution { own_shadow, ..Contribution::visibility(Channels::One) })
+    })
 }
 
-fn catalog() -> Catalog {
-    let mut catalog = shadowgraph_nodes::catalog();
-    let entry = TechniqueEntry {
-        type_name: "Facing",
-        short_name: "facing",
-        summary: "a test",
-        settings: &[],
-        from_params: |_| Ok(Arc::new(Facing { decides: true })),
-        options: OptionTable::none,
-    };
-    catalog.register(entry);
-    catalog.register(TechniqueEntry {
-        type_name: "FacingUndecided",
-        short_name: "undecided",
-        from_params: |_| Ok(Arc::new(Facing { decides: false })),
-        options: OptionTable::none,
-        ..entry
-    });
-    catalog
-}
+const FACING: [TechniqueEntry; 2] =
+    [technique!("Facing", |_| facing(true)), technique!("FacingUndecided", |_| facing(false))];
 
 /// A floor, and boxes of all sizes and turns: one mirrored, one stretched, one of a tenth of a millimetre seen near.
 fn yard() -> Scene {
@@ -143,8 +99,7 @@ fn factors(renderer: &mut Renderer, scene: &Scene, request: &FrameRequest) -> Ve
 
 #[test]
 fn normals_are_those_of_triangles_and_turned_surfaces_keep_what_the_technique_says() {
-    let Some(renderer) = shadowgraph_testing::renderer() else { return };
-    let mut renderer = Renderer::new(renderer.gpu().clone(), catalog());
+    let Some(mut renderer) = renderer_with(&FACING) else { return };
     for antialias in [Antialias::None, Antialias::Supersample4] {
         let request = FrameRequest { antialias, ..shadowgraph_testing::request() };
         let pixels = factors(&mut renderer, &served(yard(), "Facing"), &request);
@@ -166,7 +121,7 @@ fn normals_are_in_the_plan_only_when_asked_for() {
     let plan = |scene: &Scene, request: &FrameRequest| {
         let adapter = shadowgraph::engine::render::Adapter::imagined();
         let cache = shadowgraph::engine::shadow::Cache::new();
-        shadowgraph_testing::try_plan_with(scene, request, &catalog(), &adapter, &cache)
+        shadowgraph_testing::try_plan_with(scene, request, &catalog_with(&FACING), &adapter, &cache)
     };
     let has = |plan: &shadowgraph::engine::plan::FramePlan, name: &str| {
         plan.slots.iter().any(|slot| slot.name == name)
@@ -196,8 +151,7 @@ fn normals_are_in_the_plan_only_when_asked_for() {
 
 #[test]
 fn beside_a_hard_technique_the_horizon_is_still_in_one_factor() {
-    let Some(renderer) = shadowgraph_testing::renderer() else { return };
-    let mut renderer = Renderer::new(renderer.gpu().clone(), catalog());
+    let Some(mut renderer) = renderer_with(&FACING) else { return };
     let mut scene = yard();
     scene.add_light(Light::directional("sun", 3.0), DVec3::ZERO, DVec3::new(1.0, -1.0, 0.5));
     let all: Vec<NodeKey> = ["even", "mirrored", "stretched", "huge", "tiny", "deaf"]
@@ -222,8 +176,7 @@ fn beside_a_hard_technique_the_horizon_is_still_in_one_factor() {
 
 #[test]
 fn pictures_of_turned_surfaces_are_as_dark_as_the_technique_says() {
-    let Some(renderer) = shadowgraph_testing::renderer() else { return };
-    let mut renderer = Renderer::new(renderer.gpu().clone(), catalog());
+    let Some(mut renderer) = renderer_with(&FACING) else { return };
     // A slope that lies just past the sun's horizon, with normals that still face the sun.
     let mut scene = Scene::new();
     scene.set_ambient(Vec3::ZERO);

@@ -4,18 +4,10 @@
 use std::sync::Arc;
 
 use glam::DVec4;
-use shadowgraph::engine::plan::{BlendState, BufferDesc, CompareFunction, DrawState, Shader};
-use shadowgraph::engine::scene::{Instance, Params};
-use shadowgraph::engine::shadow::{
-    Binding, Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, OptionTable, Pass, PassList,
-    ShadowError, ShadowTechnique, TechniqueEntry, Traits, hash_of,
-};
+use shadowgraph::engine::plan::{BlendState, BufferDesc, Shader};
+use shadowgraph::engine::shadow::{Binding, Channels, Contribution, TechniqueEntry, hash_of};
 use shadowgraph::prelude::*;
-
-/// Darkens its own casters wherever they are seen, and everything else to 0.5 when the light is not where its number
-/// says. No shadow at all; but everything in it must be right for its factor to be.
-#[derive(Debug)]
-struct Silhouettes;
+use shadowgraph_testing::{Plain, catalog_with, over_visibility, renderer_with, technique};
 
 const TEXT: &str = "
 #import common/frame
@@ -40,53 +32,21 @@ fn silhouette(@builtin(position) position: vec4f) -> @location(0) vec4f {
 }
 ";
 
-impl ShadowTechnique for Silhouettes {
-    fn params(&self) -> Params {
-        Params::new()
-    }
-
-    fn traits(&self) -> Traits {
-        Traits { known_error: "everything", ..Traits::default() }
-    }
-
-    fn casts(&self, _: &Instance) -> Result<bool, String> {
-        Ok(true)
-    }
-
-    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
-        let caster = light.casters().next().unwrap().0 as u32;
-        let DVec4 { x, y, z, w } = light.light().position;
-        let mut bytes = bytemuck::cast_slice::<f32, u8>(&[x, y, z, w].map(|v| v as f32)).to_vec();
-        bytes.extend(bytemuck::cast_slice::<u32, u8>(&[light.light_index() as u32, caster, 0, 0]));
-        let key = hash_of(&bytes);
-        let asked = out.buffer(BufferDesc::storage("asked", key, Arc::new(bytes), "a test"));
-        let visible = out.visible_triangles();
-        let shader = Shader::written("silhouettes", TEXT, &[], "fullscreen_vertex", Some("silhouette"))?;
-        let state = DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]);
-        let draw = Draw::new("silhouettes", Geometry::fullscreen(shader), state);
-        out.pass(Pass {
-            name: format!("silhouettes for {}", light.light().name),
-            reason: "a test".into(),
-            colors: vec![ColorTarget::VISIBILITY],
-            depth: None,
-            draws: vec![draw.reading(vec![(0, Binding::Storage(asked)), (1, Binding::Texture(visible))])],
-        });
-        Ok(Contribution::visibility(Channels::One))
-    }
-}
-
-fn catalog() -> shadowgraph::engine::shadow::Catalog {
-    let mut catalog = shadowgraph_nodes::catalog();
-    catalog.register(TechniqueEntry {
-        type_name: "Silhouettes",
-        short_name: "silhouettes",
-        summary: "a test",
-        settings: &[],
-        from_params: |_| Ok(Arc::new(Silhouettes)),
-        options: OptionTable::none,
-    });
-    catalog
-}
+/// Darkens its own casters wherever they are seen, and everything else to 0.5 when the light is not where its number
+/// says. No shadow at all; but everything in it must be right for its factor to be.
+const SILHOUETTES: TechniqueEntry = technique!("Silhouettes", |_| Plain::new(|light, out| {
+    let caster = light.casters().next().unwrap().0 as u32;
+    let DVec4 { x, y, z, w } = light.light().position;
+    let mut bytes = bytemuck::cast_slice::<f32, u8>(&[x, y, z, w].map(|v| v as f32)).to_vec();
+    bytes.extend(bytemuck::cast_slice::<u32, u8>(&[light.light_index() as u32, caster, 0, 0]));
+    let key = hash_of(&bytes);
+    let asked = out.buffer(BufferDesc::storage("asked", key, Arc::new(bytes), "a test"));
+    let shader = Shader::written("silhouettes", TEXT, &[], "fullscreen_vertex", Some("silhouette"))?;
+    let bindings = vec![(0, Binding::Storage(asked)), (1, Binding::Texture(out.visible_triangles()))];
+    let name = format!("silhouettes for {}", light.light().name);
+    out.pass(over_visibility(&name, shader, Some(BlendState::REPLACE), bindings));
+    Ok(Contribution::visibility(Channels::One))
+}));
 
 /// Two lamps, of which the second has the technique, and a sun.
 fn scene() -> Scene {
@@ -103,8 +63,7 @@ fn scene() -> Scene {
 
 #[test]
 fn triangles_light_and_world_are_where_they_are_said_to_be() {
-    let Some(renderer) = shadowgraph_testing::renderer() else { return };
-    let mut renderer = Renderer::new(renderer.gpu().clone(), catalog());
+    let Some(mut renderer) = renderer_with(&[SILHOUETTES]) else { return };
     for antialias in [Antialias::None, Antialias::Supersample4] {
         let request = FrameRequest { factors: true, antialias, ..shadowgraph_testing::request() };
         let frame = renderer.render(&scene(), &request, &RenderOptions::default()).unwrap();
@@ -135,7 +94,7 @@ fn visible_triangles_are_in_the_plan_only_when_asked_for() {
     let plan = |scene: &Scene, request: &FrameRequest| {
         let adapter = shadowgraph::engine::render::Adapter::imagined();
         let cache = shadowgraph::engine::shadow::Cache::new();
-        shadowgraph_testing::try_plan_with(scene, request, &catalog(), &adapter, &cache)
+        shadowgraph_testing::try_plan_with(scene, request, &catalog_with(&[SILHOUETTES]), &adapter, &cache)
     };
     let asked = plan(&scene(), &shadowgraph_testing::request()).unwrap();
     assert_eq!(asked.passes_named("visible triangles").count(), 1);

@@ -1,20 +1,18 @@
 //! What weight and colour of a shadow do to the picture, and never to the factor; and shadows that darken the finished
 //! picture instead of taking the light away.
 
-use std::sync::Arc;
-
 use shadowgraph::engine::plan::{
     CompareFunction, DrawState, FactorAt, FramePlan, MULTIPLY, Shader, Stencil, StencilFaceState,
     StencilOperation,
 };
 use shadowgraph::engine::render::{Adapter, Frame, FrameError, PictureFormat};
-use shadowgraph::engine::scene::{Instance, ParamValue, Params, ShadowFlags};
+use shadowgraph::engine::scene::{ParamValue, Params, ShadowFlags};
 use shadowgraph::engine::shadow::{
-    self as shadow, Cache, Catalog, Channels, ColorTarget, Contribution, DepthTarget, Draw, Features,
-    Geometry, LightContext, OptionError, OptionTable, Pass, PassList, ShadowError, ShadowTechnique,
-    TechniqueEntry, Traits,
+    self as shadow, Cache, Channels, ColorTarget, Contribution, DepthTarget, Draw, Features, Geometry,
+    LightContext, Pass, PassList, ShadowError, TechniqueEntry,
 };
 use shadowgraph::prelude::*;
+use shadowgraph_testing::{Plain, catalog_with, renderer_with, technique};
 
 /// How a [`Mark`] applies its shadow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,21 +45,13 @@ fn half() -> @location(0) vec4f {
 }
 ";
 
-impl ShadowTechnique for Mark {
+impl Mark {
     fn params(&self) -> Params {
         let apply = f64::from(self.apply as u8);
         let bits = f64::from(u8::from(self.counts) + 2 * u8::from(self.visibility));
         let [r, g, b] = self.color;
         let all = [("bits", bits), ("apply", apply), ("weight", self.weight), ("r", r), ("g", g), ("b", b)];
         all.into_iter().map(|(name, value)| (name.into(), ParamValue::Number(value))).collect()
-    }
-
-    fn traits(&self) -> Traits {
-        Traits { known_error: "everything", ..Traits::default() }
-    }
-
-    fn casts(&self, _: &Instance) -> Result<bool, String> {
-        Ok(true)
     }
 
     fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
@@ -109,7 +99,8 @@ impl ShadowTechnique for Mark {
     }
 }
 
-fn mark(params: &Params) -> Result<Arc<dyn ShadowTechnique>, OptionError> {
+/// The technique of a node's options.
+fn mark(params: &Params) -> Plain {
     let number = |name: &str| match params.get(name) {
         Some(ParamValue::Number(value)) => *value,
         _ => 0.0,
@@ -118,21 +109,11 @@ fn mark(params: &Params) -> Result<Arc<dyn ShadowTechnique>, OptionError> {
     let apply = [Apply::Plainly, Apply::Light, Apply::Picture][number("apply") as usize];
     let color = ["r", "g", "b"].map(number);
     let (counts, visibility) = (bits & 1 == 1, bits & 2 == 2);
-    Ok(Arc::new(Mark { counts, visibility, apply, weight: number("weight"), color }))
+    let mark = Mark { counts, visibility, apply, weight: number("weight"), color };
+    Plain::new(move |light, out| mark.plan(light, out)).with_params(params)
 }
 
-fn catalog() -> Catalog {
-    let mut catalog = shadowgraph_nodes::catalog();
-    catalog.register(TechniqueEntry {
-        type_name: "Mark",
-        short_name: "mark",
-        summary: "a test",
-        settings: &[],
-        from_params: mark,
-        options: OptionTable::none,
-    });
-    catalog
-}
+const MARKS: [TechniqueEntry; 1] = [technique!("Mark", mark)];
 
 /// A floor, three boxes, one of which receives nothing, no ambient light; and a lamp for each list of marks, each mark
 /// a node over a box of its own.
@@ -287,8 +268,7 @@ const RED: [f64; 3] = [0.8, 0.1, 0.0];
 
 #[test]
 fn weight_and_colour_scale_the_darkening_of_the_picture() {
-    let Some(renderer) = shadowgraph_testing::renderer() else { return };
-    let mut renderer = Renderer::new(renderer.gpu().clone(), catalog());
+    let Some(mut renderer) = renderer_with(&MARKS) else { return };
     let counted = Mark { weight: 0.75, color: RED, ..MARK };
     let veiled = Mark { weight: 0.25, counts: false, visibility: true, ..MARK };
     let both = Mark { weight: 0.5, visibility: true, ..MARK };
@@ -308,8 +288,7 @@ fn weight_and_colour_scale_the_darkening_of_the_picture() {
 
 #[test]
 fn shadows_may_darken_the_finished_picture() {
-    let Some(renderer) = shadowgraph_testing::renderer() else { return };
-    let mut renderer = Renderer::new(renderer.gpu().clone(), catalog());
+    let Some(mut renderer) = renderer_with(&MARKS) else { return };
     let counted = Mark { weight: 0.75, apply: Apply::Picture, color: RED, ..MARK };
     let veiled = Mark { weight: 0.25, counts: false, visibility: true, apply: Apply::Picture, ..MARK };
     let both = Mark { weight: 0.5, visibility: true, apply: Apply::Picture, ..MARK };
@@ -323,7 +302,7 @@ fn shadows_may_darken_the_finished_picture() {
 }
 
 fn try_plan(scene: &Scene, request: &FrameRequest, adapter: &Adapter<'_>) -> Result<FramePlan, FrameError> {
-    shadowgraph_testing::try_plan_with(scene, request, &catalog(), adapter, &Cache::new())
+    shadowgraph_testing::try_plan_with(scene, request, &catalog_with(&MARKS), adapter, &Cache::new())
 }
 
 fn plan(lamps: &[&[Mark]], factors: bool) -> FramePlan {

@@ -118,7 +118,7 @@ fn soft_lights() {
     for (structure, rust) in shadowgraph_nodes::soft_layouts() {
         let rust = owned(rust);
         let (wgsl, stride) = wgsl_layout(&parse("shadow_volume_soft", &["CASTERS", "CLUSTERS"]), structure);
-        assert_eq!(rust, wgsl, "{structure}: Rust left, soft_light.wgsl right");
+        assert_eq!(rust, wgsl, "{structure}: Rust left, WGSL right");
         assert_eq!(rust.1, stride, "{structure} in an array");
     }
 }

@@ -33,7 +33,7 @@ fn mask(plan: &FramePlan) -> Option<(TextureFormat, u32, u64)> {
 }
 
 fn plan_with_veil(scene: &Scene) -> Result<FramePlan, FrameError> {
-    try_plan_with(scene, &request(), &catalog_with_veil(), &Adapter::imagined(), &Cache::new())
+    try_plan_with(scene, &request(), &catalog_with(&[VEIL]), &Adapter::imagined(), &Cache::new())
 }
 
 #[test]

@@ -19,7 +19,7 @@ fn a_light_shaded_from_the_stencil_has_it_for_itself() {
     let (first, other) = (scene.find("crate").unwrap(), add_box(&mut scene, "other", at(2.0, 1.5, 0.0)));
     scene.add_shadow("shadows", hard(&[]).with_lights([lamp, second]).with_casters([first]));
     scene.add_shadow("veils", ShadowNode::new("Veil").with_lights([second]).with_casters([other]));
-    let catalog = catalog_with_veil();
+    let catalog = catalog_with(&[VEIL]);
     let plan = try_plan_with(&scene, &request(), &catalog, &Adapter::imagined(), &Cache::new()).unwrap();
     assert_eq!(plan.lights[1].factor, FactorAt::Visibility(0));
     if plan.lights[0].factor == FactorAt::Counts {

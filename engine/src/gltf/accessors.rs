@@ -45,6 +45,22 @@ struct Elements {
     size: usize,
 }
 
+/// An accessor that is read for some purpose, and how many elements of which size in bytes it has.
+#[derive(Clone, Copy, Debug)]
+struct Stream<'d> {
+    accessor: usize,
+    purpose: &'static str,
+    declaration: &'d Map<String, Value>,
+    count: u64,
+    size: usize,
+}
+
+impl Stream<'_> {
+    fn wrong(&self, problem: String) -> GltfError {
+        GltfError::Accessor { accessor: self.accessor, purpose: self.purpose, problem }
+    }
+}
+
 /// How integer components become floats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Integers {
@@ -204,71 +220,86 @@ impl Accessors<'_> {
         parse: impl Fn(&[u8]) -> T,
     ) -> Result<Vec<T>, GltfError> {
         let declaration = self.get(accessor, purpose)?;
-        let wrong = |problem: String| GltfError::Accessor { accessor, purpose, problem };
-        let count = whole(declaration, "count");
-        if count == 0 {
-            return Err(wrong("it is empty; at least 1 element is needed".into()));
+        let stream = Stream { accessor, purpose, declaration, count: whole(declaration, "count"), size };
+        if stream.count == 0 {
+            return Err(stream.wrong("it is empty; at least 1 element is needed".into()));
         }
-        let index = |object: &Map<String, Value>, field| object.get(field).and_then(Value::as_u64);
-        let mut values = match index(declaration, "bufferView") {
-            Some(view) => {
-                let view = view as usize;
-                let declared = self.document.used(Section::BufferViews, view)?;
-                let stride = index(declared, "byteStride").map_or(size, |stride| stride as usize);
-                if stride < size {
-                    return Err(wrong(format!(
-                        "its buffer view's byteStride {stride} is below its elements' {size}"
-                    )));
-                }
-                let offset = whole(declaration, "byteOffset");
-                let bytes = self.range(accessor, view, Elements { offset, count, stride, size }, budget)?;
-                budget.charge_elements(count)?;
-                bytes.chunks(stride).map(&parse).collect()
-            }
-            None if count > MAX_COUNT_WITHOUT_VIEW => {
+        let mut values = self.base_values(&stream, zero, budget, &parse)?;
+        if let Some(sparse) = declaration.get("sparse").and_then(Value::as_object) {
+            self.replace_sparse(&stream, sparse, &mut values, budget, &parse)?;
+        }
+        Ok(values)
+    }
+
+    /// The values of the accessor's buffer view; zeros where it has none.
+    fn base_values<T: Copy>(
+        &self,
+        stream: &Stream<'_>,
+        zero: T,
+        budget: &mut Budget,
+        parse: impl Fn(&[u8]) -> T,
+    ) -> Result<Vec<T>, GltfError> {
+        let Stream { accessor, purpose, declaration, count, size } = *stream;
+        let Some(view) = declaration.get("bufferView").and_then(Value::as_u64) else {
+            if count > MAX_COUNT_WITHOUT_VIEW {
                 let what = format!("accessor {accessor} ({purpose}): elements without a buffer view");
                 return Err(GltfError::TooLarge { what, count, limit: MAX_COUNT_WITHOUT_VIEW });
             }
-            None => {
-                budget.charge_elements(count)?;
-                vec![zero; count as usize]
-            }
+            budget.charge_elements(count)?;
+            return Ok(vec![zero; count as usize]);
         };
-        let Some(sparse) = declaration.get("sparse").and_then(Value::as_object) else { return Ok(values) };
-        let places_count = whole(sparse, "count");
-        if places_count == 0 || places_count > count {
-            return Err(wrong(format!("it has {places_count} sparse values; 1 to {count} are needed")));
+        let view = view as usize;
+        let declared = self.document.used(Section::BufferViews, view)?;
+        let stride =
+            declared.get("byteStride").and_then(Value::as_u64).map_or(size, |stride| stride as usize);
+        if stride < size {
+            let problem = format!("its buffer view's byteStride {stride} is below its elements' {size}");
+            return Err(stream.wrong(problem));
         }
-        // The check of the accessor's fields has seen to it that both are there.
+        let offset = whole(declaration, "byteOffset");
+        let bytes = self.range(accessor, view, Elements { offset, count, stride, size }, budget)?;
+        budget.charge_elements(count)?;
+        Ok(bytes.chunks(stride).map(parse).collect())
+    }
+
+    /// Puts sparse values in their places.
+    fn replace_sparse<T: Copy>(
+        &self,
+        stream: &Stream<'_>,
+        sparse: &Map<String, Value>,
+        values: &mut [T],
+        budget: &mut Budget,
+        parse: impl Fn(&[u8]) -> T,
+    ) -> Result<(), GltfError> {
+        let Stream { accessor, count: most, size, .. } = *stream;
+        let count = whole(sparse, "count");
+        if count == 0 || count > most {
+            return Err(stream.wrong(format!("it has {count} sparse values; 1 to {most} are needed")));
+        }
+        // Both objects are there: the accessor's fields were checked.
         let nothing = Map::new();
         let inner = |field: &str| sparse.get(field).and_then(Value::as_object).unwrap_or(&nothing);
         let (indices, replaced) = (inner("indices"), inner("values"));
         let Some(component) = component_type(indices) else {
-            return Err(wrong("its sparse indices have no valid component type".into()));
+            return Err(stream.wrong("its sparse indices have no valid component type".into()));
         };
-        let places = component.size();
         let mut part = |object: &Map<String, Value>, size| {
-            let view = whole(object, "bufferView") as usize;
-            self.range(
-                accessor,
-                view,
-                Elements { offset: whole(object, "byteOffset"), count: places_count, stride: size, size },
-                budget,
-            )
+            let (view, offset) = (whole(object, "bufferView") as usize, whole(object, "byteOffset"));
+            self.range(accessor, view, Elements { offset, count, stride: size, size }, budget)
         };
-        let (places_bytes, values_bytes) = (part(indices, places)?, part(replaced, size)?);
+        let (places, replaced) = (part(indices, component.size())?, part(replaced, size)?);
         let mut previous = None;
-        for (place, bytes) in places_bytes.chunks_exact(places).zip(values_bytes.chunks_exact(size)) {
+        for (place, bytes) in places.chunks_exact(component.size()).zip(replaced.chunks_exact(size)) {
             let place = unsigned_at(place, component);
-            if previous.is_some_and(|previous| place <= previous) || u64::from(place) >= count {
-                return Err(wrong(format!(
-                    "its sparse index {place} is not above the one before it and below {count}"
+            if previous.is_some_and(|previous| place <= previous) || u64::from(place) >= most {
+                return Err(stream.wrong(format!(
+                    "its sparse index {place} is not above the one before it and below {most}"
                 )));
             }
             values[place as usize] = parse(bytes);
             previous = Some(place);
         }
-        Ok(values)
+        Ok(())
     }
 
     /// The bytes from the first element to the end of the last, checked to lie in the view.

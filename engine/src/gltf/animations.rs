@@ -1,6 +1,8 @@
 //! Skins and animations: what moves the nodes and bends the meshes.
 
+use std::cell::OnceCell;
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat4};
@@ -12,7 +14,9 @@ use super::hierarchy::Hierarchy;
 use super::limits::{Budget, Warnings};
 use super::nodes::Builder;
 use super::transforms::parts;
-use crate::scene::{Animation, Channel, Content, Interpolation, NodeKey, Property, SceneError, Skin, Track};
+use crate::scene::{
+    Animation, Channel, Content, Interpolation, NodeKey, Property, Scene, SceneError, Skin, SkinKey, Track,
+};
 
 impl Builder<'_> {
     /// Reads what moves nodes and bends meshes, once every node has its key.
@@ -29,80 +33,38 @@ impl Builder<'_> {
             accessors: &self.accessors,
             budget: &mut self.budget,
             warnings: &mut self.warnings,
+            scene: &mut self.scene,
+            nodes,
+            hierarchy,
             keys,
             instanced,
+            skins: HashMap::new(),
+            spans: OnceCell::new(),
         };
-        let mut skins = HashMap::new();
-        let mut spans = None;
         for &index in order.iter().filter(|index| !instanced[**index]) {
-            let node = &nodes[index];
-            let Some(skin) = node.index("skin", "skin", document.skins.len())? else { continue };
+            let Some(skin) = nodes[index].index("skin", "skin", document.skins.len())? else { continue };
             let Some(key) = keys[index] else { continue };
-            let Some(Content::Mesh(mut content)) = self.scene.node(key).map(|node| node.content.clone())
-            else {
-                reader.warnings.add(format!("{}: a skin without a mesh is ignored", node.label()));
-                continue;
-            };
-            let highest = self.scene.mesh(content.mesh).and_then(|mesh| mesh.highest_joint());
-            let Some(highest) = highest else {
-                reader
-                    .warnings
-                    .add(format!("{}: its skin is ignored, since no vertex names a joint", node.label()));
-                continue;
-            };
-            let skin_key = match skins.get(&skin) {
-                Some(key) => *key,
-                None => {
-                    let item = Item::new("skin", skin, &document.skins[skin])?;
-                    let bad = |problem: String| GltfError::Content { item: item.label(), problem };
-                    reader.compare_roots(&item, spans.get_or_insert_with(|| hierarchy.spans()))?;
-                    let added =
-                        self.scene.add_skin(reader.skin(&item)?).map_err(|error| bad(problem_of(error)))?;
-                    skins.insert(skin, added);
-                    added
-                }
-            };
-            let joints = self.scene.skin(skin_key).map_or(0, |skin| skin.joints.len());
-            if highest >= joints {
-                let (item, field) = (node.label(), "skin".into());
-                let problem = format!(
-                    "{skin} has {joints} joints, but a vertex names joint {highest} (counted from 0)"
-                );
-                return Err(GltfError::Field { item, field, problem });
-            }
-            content.skin = Some(skin_key);
-            if let Some(node) = self.scene.node_mut(key) {
-                node.content = Content::Mesh(content);
-            }
+            reader.wear(&nodes[index], key, skin)?;
         }
         let index_of: HashMap<NodeKey, usize> =
             order.iter().filter_map(|index| Some((keys[*index]?, *index))).collect();
         for (index, value) in document.animations.iter().enumerate() {
             let item = Item::new("animation", index, value)?;
-            let Some(animation) = reader.animation(&item)? else { continue };
-            for channel in &animation.channels {
-                // Parts as they stand in the file, not as they are found again in a matrix.
-                let Some(&index) = index_of.get(&channel.node) else { continue };
-                if self.scene.node(channel.node).is_some_and(|node| node.rest().is_none())
-                    && let Some(parts) = parts(&nodes[index])?
-                {
-                    let bad = |problem: String| GltfError::Content { item: item.label(), problem };
-                    self.scene.set_transform(channel.node, parts).map_err(|error| bad(problem_of(error)))?;
-                }
+            if let Some(animation) = reader.animation(&item)? {
+                reader.add_animation(&item, animation, &index_of)?;
             }
-            let bad = |problem: String| GltfError::Content { item: item.label(), problem };
-            self.scene.add_animation(animation).map_err(|error| bad(problem_of(error)))?;
         }
         Ok(())
     }
 }
 
-/// What is wrong, without the name of what it is about: the loader says which it is.
-fn problem_of(error: SceneError) -> String {
-    match error {
+/// What the scene refuses of an item; the loader says itself which item it is about.
+fn refused(item: &Item<'_>, error: SceneError) -> GltfError {
+    let problem = match error {
         SceneError::BadContent { problem, .. } => problem,
         other => other.to_string(),
-    }
+    };
+    GltfError::Content { item: item.label(), problem }
 }
 
 /// What skins and animations are read with.
@@ -110,19 +72,81 @@ struct Reader<'r, 'a> {
     accessors: &'r Accessors<'a>,
     budget: &'r mut Budget,
     warnings: &'r mut Warnings,
+    scene: &'r mut Scene,
+    nodes: &'r [Item<'r>],
+    hierarchy: &'r Hierarchy,
     /// The scene's node, for glTF nodes that are in the scene.
     keys: &'r [Option<NodeKey>],
     /// Whether a node's mesh was spread over instances.
     instanced: &'r [bool],
+    /// The skins read so far.
+    skins: HashMap<usize, SkinKey>,
+    /// See [`Hierarchy::spans`]; only skins need them.
+    spans: OnceCell<Vec<(usize, Range<usize>)>>,
 }
 
 impl Reader<'_, '_> {
-    /// Remarks on joints without a common root, and a skeleton that is none.
-    fn compare_roots(
-        &self,
+    /// Gives a node's mesh its skin. One without a mesh, or with a mesh whose vertices name no joint, is ignored with a warning.
+    fn wear(&mut self, node: &Item<'_>, key: NodeKey, skin: usize) -> Result<(), GltfError> {
+        let Some(Content::Mesh(mut content)) = self.scene.node(key).map(|node| node.content.clone()) else {
+            self.warnings.add(format!("{}: a skin without a mesh is ignored", node.label()));
+            return Ok(());
+        };
+        let Some(highest) = self.scene.mesh(content.mesh).and_then(|mesh| mesh.highest_joint()) else {
+            let label = node.label();
+            self.warnings.add(format!("{label}: its skin is ignored, since no vertex names a joint"));
+            return Ok(());
+        };
+        let skin_key = match self.skins.get(&skin) {
+            Some(key) => *key,
+            None => self.add_skin(skin)?,
+        };
+        let joints = self.scene.skin(skin_key).map_or(0, |skin| skin.joints.len());
+        if highest >= joints {
+            let (item, field) = (node.label(), "skin".into());
+            let problem =
+                format!("{skin} has {joints} joints, but a vertex names joint {highest} (counted from 0)");
+            return Err(GltfError::Field { item, field, problem });
+        }
+        content.skin = Some(skin_key);
+        if let Some(node) = self.scene.node_mut(key) {
+            node.content = Content::Mesh(content);
+        }
+        Ok(())
+    }
+
+    fn add_skin(&mut self, index: usize) -> Result<SkinKey, GltfError> {
+        let item = Item::new("skin", index, &self.accessors.document.skins[index])?;
+        self.compare_roots(&item)?;
+        let skin = self.skin(&item)?;
+        let key = self.scene.add_skin(skin).map_err(|error| refused(&item, error))?;
+        self.skins.insert(index, key);
+        Ok(key)
+    }
+
+    /// Adds an animation. The nodes that it moves keep translation, rotation and scale as they stand in the file, not as they
+    /// are found again in a matrix.
+    fn add_animation(
+        &mut self,
         item: &Item<'_>,
-        spans: &[(usize, std::ops::Range<usize>)],
+        animation: Animation,
+        index_of: &HashMap<NodeKey, usize>,
     ) -> Result<(), GltfError> {
+        for channel in &animation.channels {
+            let Some(&index) = index_of.get(&channel.node) else { continue };
+            if self.scene.node(channel.node).is_some_and(|node| node.rest().is_none())
+                && let Some(parts) = parts(&self.nodes[index])?
+            {
+                self.scene.set_transform(channel.node, parts).map_err(|error| refused(item, error))?;
+            }
+        }
+        self.scene.add_animation(animation).map_err(|error| refused(item, error))?;
+        Ok(())
+    }
+
+    /// Remarks on joints without a common root, and a skeleton that is none.
+    fn compare_roots(&self, item: &Item<'_>) -> Result<(), GltfError> {
+        let spans = self.spans.get_or_init(|| self.hierarchy.spans());
         let joints = item.indices("joints", "node", self.keys.len())?;
         let document = self.accessors.document;
         if joints.windows(2).any(|pair| spans[pair[0]].0 != spans[pair[1]].0) {

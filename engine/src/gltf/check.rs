@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 use super::GltfError;
 use super::document::{Document, Section};
 use super::names::few_digits;
-use super::shapes;
+use super::{shapes, together};
 
 /// What a field may hold.
 #[derive(Clone, Copy, Debug)]
@@ -103,9 +103,7 @@ pub(super) fn findings(document: &Document, section: Section, index: usize) -> V
         Some(Value::Object(object)) => {
             checker.name = object.get("name").and_then(Value::as_str).map(str::to_owned);
             checker.object(&path, object, shapes::of(section));
-            shapes::check_together(section, object, &mut |problem: &str| {
-                checker.odd(&path, problem);
-            });
+            together::check(section, object, &mut |problem: &str| checker.odd(&path, problem));
         }
         Some(_) => checker.wrong(&path, "must be a JSON object".into()),
         None => {}
@@ -197,51 +195,52 @@ impl Checker<'_> {
             }
             Kind::Index(section) => self.index(path, value, section),
             Kind::Indices(section) => match value.as_array() {
-                Some(all) => {
-                    self.not_empty(path, all);
-                    for (place, value) in all.iter().enumerate() {
-                        self.index(&format!("{path}[{place}]"), value, section);
-                    }
-                    let mut seen: Vec<u64> = all.iter().filter_map(Value::as_u64).collect();
-                    seen.sort_unstable();
-                    if seen.windows(2).any(|pair| pair[0] == pair[1]) {
-                        self.odd(path, "it names one thing twice");
-                    }
-                }
+                Some(all) => self.indices(path, all, section),
                 None => self.wrong(path, wrong_type("an array of indices")),
             },
             Kind::Attributes => match value.as_object() {
-                Some(attributes) => {
-                    if attributes.is_empty() {
-                        self.odd(path, "it is empty");
-                    }
-                    for (name, value) in attributes {
-                        self.index(
-                            &format!("{path}[\"{}\"]", super::names::shown(name)),
-                            value,
-                            Section::Accessors,
-                        );
-                    }
-                }
+                Some(attributes) => self.attributes(path, attributes),
                 None => self.wrong(path, wrong_type("a JSON object")),
             },
             Kind::Object(shape) => match value.as_object() {
                 Some(object) => self.object(path, object, shape),
                 None => self.wrong(path, wrong_type("a JSON object")),
             },
-            Kind::Objects(_) | Kind::Targets => match value.as_array() {
-                Some(all) => {
-                    self.not_empty(path, all);
-                    let each = match kind {
-                        Kind::Objects(shape) => Kind::Object(shape),
-                        _ => Kind::Attributes,
-                    };
-                    for (place, value) in all.iter().enumerate() {
-                        self.field(&format!("{path}[{place}]"), value, each);
-                    }
-                }
-                None => self.wrong(path, wrong_type("an array of JSON objects")),
-            },
+            Kind::Objects(shape) => self.each(path, value, Kind::Object(shape)),
+            Kind::Targets => self.each(path, value, Kind::Attributes),
+        }
+    }
+
+    /// An array of at least one object, each of this kind.
+    fn each(&mut self, path: &str, value: &Value, kind: Kind) {
+        let Some(all) = value.as_array() else {
+            return self.wrong(path, format!("it is {}; an array of JSON objects is needed", brief(value)));
+        };
+        self.not_empty(path, all);
+        for (place, value) in all.iter().enumerate() {
+            self.field(&format!("{path}[{place}]"), value, kind);
+        }
+    }
+
+    fn indices(&mut self, path: &str, all: &[Value], section: Section) {
+        self.not_empty(path, all);
+        for (place, value) in all.iter().enumerate() {
+            self.index(&format!("{path}[{place}]"), value, section);
+        }
+        let mut seen: Vec<u64> = all.iter().filter_map(Value::as_u64).collect();
+        seen.sort_unstable();
+        if seen.windows(2).any(|pair| pair[0] == pair[1]) {
+            self.odd(path, "it names one thing twice");
+        }
+    }
+
+    fn attributes(&mut self, path: &str, attributes: &Map<String, Value>) {
+        if attributes.is_empty() {
+            self.odd(path, "it is empty");
+        }
+        for (name, value) in attributes {
+            let path = format!("{path}[\"{}\"]", super::names::shown(name));
+            self.index(&path, value, Section::Accessors);
         }
     }
 

@@ -128,30 +128,18 @@ struct Used {
 }
 
 impl Document {
+    /// Parses the JSON of a file.
+    ///
+    /// # Errors
+    /// What is no JSON, too large, of another version, or needs an extension that is not supported.
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, GltfError> {
         check_size(bytes)?;
         let mut rest: Map<String, Value> = serde_json::from_slice(bytes).map_err(|error| {
             GltfError::Json { section: "the document".into(), problem: error.to_string() }
         })?;
         rest.values_mut().for_each(whole_numbers);
-
-        let asset = rest.get("asset").unwrap_or(&Value::Null);
-        let version = asset.get("version").and_then(Value::as_str).unwrap_or("(none)");
-        let minimum = asset.get("minVersion").and_then(Value::as_str).unwrap_or("2.0");
-        if !version.starts_with("2.") || minimum != "2.0" {
-            let found = if version.starts_with("2.") { minimum } else { version };
-            return Err(GltfError::Version { found: found.chars().take(20).collect() });
-        }
-        let required = rest.get("extensionsRequired").map_or(Ok(&[][..]), |value| {
-            let names = value.as_array().filter(|names| names.iter().all(Value::is_string));
-            names
-                .map(Vec::as_slice)
-                .ok_or_else(|| unreadable("extensionsRequired", "an array of names is needed"))
-        })?;
-        let unknown = |name: &&str| !SUPPORTED_EXTENSIONS.contains(name);
-        if let Some(name) = required.iter().filter_map(Value::as_str).find(unknown) {
-            return Err(GltfError::UnsupportedExtension { name: name.into(), fix: remedy(name) });
-        }
+        check_version(&rest)?;
+        check_required(&rest)?;
 
         let default_scene = rest.get("scene").filter(|scene| !scene.is_null());
         let default_scene = default_scene
@@ -186,11 +174,17 @@ impl Document {
         document.empty = empty;
         document.rest = rest;
         document.default_scene = default_scene.transpose()?;
-        let punctual = document.rest.get_mut("extensions").and_then(|all| all.get_mut("KHR_lights_punctual"));
-        document.lights = match punctual.and_then(|punctual| punctual.get_mut("lights")).map(Value::take) {
+        document.take_lights()?;
+        Ok(document)
+    }
+
+    /// Moves the lights to their section; they lie in an extension.
+    fn take_lights(&mut self) -> Result<(), GltfError> {
+        let punctual = self.rest.get_mut("extensions").and_then(|all| all.get_mut("KHR_lights_punctual"));
+        self.lights = match punctual.and_then(|punctual| punctual.get_mut("lights")).map(Value::take) {
             None | Some(Value::Null) => Vec::new(),
             Some(Value::Array(lights)) => {
-                document.empty.extend(lights.is_empty().then_some(Section::Lights));
+                self.empty.extend(lights.is_empty().then_some(Section::Lights));
                 lights
             }
             Some(_) => {
@@ -198,7 +192,7 @@ impl Document {
                 return Err(GltfError::Invalid { path, problem: "an array of lights is needed".into() });
             }
         };
-        Ok(document)
+        Ok(())
     }
 
     /// The things of one section.
@@ -289,6 +283,33 @@ impl Document {
         let name = |scene: &Value| scene.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
         self.scenes.iter().map(name).collect()
     }
+}
+
+/// Refuses versions other than 2.
+fn check_version(rest: &Map<String, Value>) -> Result<(), GltfError> {
+    let asset = rest.get("asset").unwrap_or(&Value::Null);
+    let version = asset.get("version").and_then(Value::as_str).unwrap_or("(none)");
+    let minimum = asset.get("minVersion").and_then(Value::as_str).unwrap_or("2.0");
+    if !version.starts_with("2.") || minimum != "2.0" {
+        let found = if version.starts_with("2.") { minimum } else { version };
+        return Err(GltfError::Version { found: found.chars().take(20).collect() });
+    }
+    Ok(())
+}
+
+/// Refuses files that cannot be understood without an extension which the loader does not know.
+fn check_required(rest: &Map<String, Value>) -> Result<(), GltfError> {
+    let required = rest.get("extensionsRequired").map_or(Ok(&[][..]), |value| {
+        let names = value.as_array().filter(|names| names.iter().all(Value::is_string));
+        names
+            .map(Vec::as_slice)
+            .ok_or_else(|| unreadable("extensionsRequired", "an array of names is needed"))
+    })?;
+    let unknown = |name: &&str| !SUPPORTED_EXTENSIONS.contains(name);
+    if let Some(name) = required.iter().filter_map(Value::as_str).find(unknown) {
+        return Err(GltfError::UnsupportedExtension { name: name.into(), fix: remedy(name) });
+    }
+    Ok(())
 }
 
 /// Refuses JSON whose parsed form would take memory out of all proportion.

@@ -57,91 +57,142 @@ pub(super) fn read(
     let declaration = accessors.document.used(Section::Meshes, mesh)?;
     let name =
         declaration.get("name").and_then(Value::as_str).map_or_else(|| format!("mesh{mesh}"), str::to_owned);
-    let mut read = ReadMesh { data: MeshData { name, ..MeshData::default() }, materials: Vec::new() };
-    let mut runs: HashMap<Streams, Run> = HashMap::new();
-    let mut slots: HashMap<Option<usize>, usize> = HashMap::new();
+    let read = ReadMesh { data: MeshData { name, ..MeshData::default() }, materials: Vec::new() };
+    let (runs, slots) = (HashMap::new(), HashMap::new());
+    let mut reader = Reader { accessors, mesh, declaration, budget, warnings, read, runs, slots };
     let primitives = declaration.get("primitives").and_then(Value::as_array);
     let primitives = primitives.into_iter().flatten().filter_map(Value::as_object);
     for (index, primitive) in primitives.enumerate() {
+        reader.primitive(index, primitive)?;
+    }
+    let mut read = reader.read;
+    let vertices = read.data.positions.len();
+    pad(&mut read.data, vertices);
+    Ok(read)
+}
+
+/// What a mesh is read with, and what was read so far.
+struct Reader<'r, 'a> {
+    accessors: &'r Accessors<'a>,
+    mesh: usize,
+    declaration: &'r Map<String, Value>,
+    budget: &'r mut Budget,
+    warnings: &'r mut Warnings,
+    read: ReadMesh,
+    /// The vertices of earlier primitives, by their accessors.
+    runs: HashMap<Streams, Run>,
+    /// The slot of each material.
+    slots: HashMap<Option<usize>, usize>,
+}
+
+impl Reader<'_, '_> {
+    /// Reads one primitive; one that makes no triangles is left out with a warning.
+    fn primitive(&mut self, index: usize, primitive: &Map<String, Value>) -> Result<(), GltfError> {
+        let mesh = self.mesh;
         let wrong = |problem: String| GltfError::Primitive { mesh, primitive: index, problem };
         let mode = match primitive.get("mode").and_then(Value::as_u64).unwrap_or(4) {
             0..=3 => {
-                warnings.add(format!("mesh {mesh}: points and lines are ignored"));
-                continue;
+                self.warnings.add(format!("mesh {mesh}: points and lines are ignored"));
+                return Ok(());
             }
             4 => Mode::Triangles,
             5 => Mode::TriangleStrip,
             _ => Mode::TriangleFan,
         };
-        if let Some(name) = primitive
-            .get("extensions")
-            .and_then(Value::as_object)
-            .and_then(|all| all.keys().find(|name| *name == "KHR_draco_mesh_compression"))
-        {
-            // The plain accessors, where the file has them as well, would do; most have none.
-            if attribute(primitive.get("attributes"), "POSITION")
-                .is_none_or(|accessor| !accessors.has_data(accessor))
-            {
-                return Err(GltfError::UnsupportedExtension { name: name.clone(), fix: remedy(name) });
-            }
-        }
-        note_attributes(accessors, primitive, mesh, warnings);
+        refuse_draco(self.accessors, primitive)?;
+        note_attributes(self.accessors, primitive, mesh, self.warnings);
+        let Some(streams) = self.streams(index, primitive, &wrong)? else { return Ok(()) };
+        self.targets(streams.bend.target_count(), &wrong)?;
+        let run = match self.runs.get(&streams) {
+            Some(run) => *run,
+            None => append(self.accessors, &streams, &mut self.read.data, self.budget, &wrong)?,
+        };
+        let triangles = triangles(self.accessors, primitive, mode, mesh, index, run.vertices, self.budget)?;
+        let material = primitive.get("material").and_then(Value::as_u64).map(|material| material as usize);
+        self.part(streams, run, &triangles, material)
+    }
+
+    /// The accessors of a primitive's vertices; `None`, with a warning, where it has no positions.
+    fn streams(
+        &mut self,
+        index: usize,
+        primitive: &Map<String, Value>,
+        wrong: &dyn Fn(String) -> GltfError,
+    ) -> Result<Option<Streams>, GltfError> {
+        let mesh = self.mesh;
         let stream = |semantic: &str| attribute(primitive.get("attributes"), semantic);
         let Some(positions) = stream("POSITION") else {
-            warnings.add(format!("mesh {mesh}, primitive {index}: it has no POSITION, and is ignored"));
-            continue;
+            self.warnings.add(format!("mesh {mesh}, primitive {index}: it has no POSITION, and is ignored"));
+            return Ok(None);
         };
-        if !accessors.has_bounds(positions) {
-            accessors.document.note(format!("mesh {mesh}: POSITION has no min and max"));
+        if !self.accessors.has_bounds(positions) {
+            self.accessors.document.note(format!("mesh {mesh}: POSITION has no min and max"));
         }
-        let streams = Streams {
+        Ok(Some(Streams {
             positions,
             normals: stream("NORMAL"),
             uvs: stream("TEXCOORD_0"),
             second_uvs: stream("TEXCOORD_1"),
             colors: stream("COLOR_0"),
-            bend: BendStreams::of(primitive, mesh, &wrong, warnings)?,
-        };
-        let targets = streams.bend.target_count();
-        if read.data.parts.is_empty() {
-            read.data.morphs = deformations::targets(mesh, declaration, targets, budget)?;
-        } else if targets != read.data.morphs.len() {
-            let others = read.data.morphs.len();
-            return Err(wrong(format!(
-                "it has {targets} morph targets, the mesh's first primitive {others}"
-            )));
+            bend: BendStreams::of(primitive, mesh, wrong, self.warnings)?,
+        }))
+    }
+
+    /// The mesh's morph targets: those of its first primitive, and as many in every other.
+    fn targets(&mut self, count: usize, wrong: &dyn Fn(String) -> GltfError) -> Result<(), GltfError> {
+        let data = &mut self.read.data;
+        if data.parts.is_empty() {
+            data.morphs = deformations::targets(self.mesh, self.declaration, count, self.budget)?;
+        } else if count != data.morphs.len() {
+            let others = data.morphs.len();
+            return Err(wrong(format!("it has {count} morph targets, the mesh's first primitive {others}")));
         }
-        let run = match runs.get(&streams) {
-            Some(run) => *run,
-            None => append(accessors, &streams, &mut read.data, budget, &wrong)?,
-        };
-        let triangles = triangles(accessors, primitive, mode, mesh, index, run.vertices, budget)?;
-        let first = read.data.indices.len() / 3;
-        if first + triangles.len() > MAX_MESH_ELEMENTS {
-            let what = format!("mesh {mesh}: triangles");
-            let (count, limit) = ((first + triangles.len()) as u64, MAX_MESH_ELEMENTS as u64);
-            return Err(GltfError::TooLarge { what, count, limit });
+        Ok(())
+    }
+
+    /// Adds the triangles of a primitive as one part in its material's slot.
+    fn part(
+        &mut self,
+        streams: Streams,
+        run: Run,
+        triangles: &[[u32; 3]],
+        material: Option<usize>,
+    ) -> Result<(), GltfError> {
+        let ReadMesh { data, materials } = &mut self.read;
+        let first = data.indices.len() / 3;
+        let end = first + triangles.len();
+        if end > MAX_MESH_ELEMENTS {
+            let what = format!("mesh {}: triangles", self.mesh);
+            return Err(GltfError::TooLarge { what, count: end as u64, limit: MAX_MESH_ELEMENTS as u64 });
         }
         // Without normals the triangles are flat, and share no vertex with one another.
         if streams.normals.is_some() {
-            runs.insert(streams, run);
+            self.runs.insert(streams, run);
             let start = run.start as u32;
-            read.data.indices.extend(triangles.iter().flatten().map(|vertex| start + vertex));
+            data.indices.extend(triangles.iter().flatten().map(|vertex| start + vertex));
         } else {
-            budget.charge_elements(triangles.len() as u64 * 3 * (1 + read.data.morphs.len() as u64))?;
-            unshare(&mut read.data, run, &triangles);
+            self.budget.charge_elements(triangles.len() as u64 * 3 * (1 + data.morphs.len() as u64))?;
+            unshare(data, run, triangles);
         }
-        let material = primitive.get("material").and_then(Value::as_u64).map(|material| material as usize);
-        let material_slot = *slots.entry(material).or_insert_with(|| {
-            read.materials.push(material);
-            read.materials.len() - 1
+        let material_slot = *self.slots.entry(material).or_insert_with(|| {
+            materials.push(material);
+            materials.len() - 1
         });
-        let end = (first + triangles.len()) as u32;
-        read.data.parts.push(Part { triangles: first as u32..end, material_slot });
+        data.parts.push(Part { triangles: first as u32..end as u32, material_slot });
+        Ok(())
     }
-    let vertices = read.data.positions.len();
-    pad(&mut read.data, vertices);
-    Ok(read)
+}
+
+/// Refuses a primitive whose vertices are only there compressed by Draco. Most files have no plain accessors beside it; where
+/// they do, those are read.
+fn refuse_draco(accessors: &Accessors<'_>, primitive: &Map<String, Value>) -> Result<(), GltfError> {
+    let name = "KHR_draco_mesh_compression";
+    let is_compressed = primitive.get("extensions").and_then(|all| all.get(name)).is_some();
+    let positions = attribute(primitive.get("attributes"), "POSITION");
+    if is_compressed && positions.is_none_or(|accessor| !accessors.has_data(accessor)) {
+        return Err(GltfError::UnsupportedExtension { name: name.into(), fix: remedy(name) });
+    }
+    Ok(())
 }
 
 /// Notes attributes whose names mean nothing here.

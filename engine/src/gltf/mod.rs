@@ -39,6 +39,7 @@ mod save_animations;
 mod save_materials;
 mod save_meshes;
 mod shapes;
+mod together;
 mod transforms;
 mod uri;
 mod usage;

@@ -52,24 +52,7 @@ impl Materials {
     }
 
     fn write(&mut self, scene: &Scene, material: &Material, binary: &mut Binary) -> Result<Value, GltfError> {
-        let cutoff = match material.alpha_mode {
-            AlphaMode::Mask { cutoff } => cutoff,
-            _ => 0.0,
-        };
-        let scale = |texture: &Option<(TextureRef, f32)>| texture.map_or(0.0, |(_, scale)| scale);
-        let scalars = [
-            material.metallic,
-            material.roughness,
-            material.transmission,
-            cutoff,
-            scale(&material.normal_texture),
-            scale(&material.occlusion_texture),
-        ];
-        let colors_finite = material.base_color.is_finite() && material.emissive.is_finite();
-        if !(colors_finite && scalars.iter().all(|x| x.is_finite())) {
-            let what = format!("material '{}'", material.name);
-            return Err(GltfError::Save { what, problem: "has factors that are not finite".into() });
-        }
+        check_factors(material)?;
         if let Some(function) = &material.surface {
             self.warnings.add(format!(
                 "material '{}': its surface function '{}' is left out; glTF has no place for it",
@@ -114,9 +97,18 @@ impl Materials {
         // A power of two as strength keeps the factors within 1 and their product exact.
         let strength = emissive_strength(material.emissive.max_element());
         value["emissiveFactor"] = json!((material.emissive / strength).to_array());
+        let extensions = self.extensions(material, strength);
+        if !extensions.is_empty() {
+            value["extensions"] = extensions.into();
+        }
+        Ok(value)
+    }
+
+    /// What glTF says of a material in extensions.
+    fn extensions(&mut self, material: &Material, emissive_strength: f32) -> Map<String, Value> {
         let mut extensions = Map::new();
-        if strength != 1.0 {
-            let object = json!({ "emissiveStrength": strength });
+        if emissive_strength != 1.0 {
+            let object = json!({ "emissiveStrength": emissive_strength });
             extensions.insert(self.using("KHR_materials_emissive_strength"), object);
         }
         if material.unlit {
@@ -126,10 +118,7 @@ impl Materials {
             let object = json!({ "transmissionFactor": material.transmission });
             extensions.insert(self.using("KHR_materials_transmission"), object);
         }
-        if !extensions.is_empty() {
-            value["extensions"] = extensions.into();
-        }
-        Ok(value)
+        extensions
     }
 
     /// Notes that an extension is used.
@@ -205,6 +194,29 @@ impl Materials {
         self.written_images.insert(key, self.images.len() - 1);
         Ok(self.images.len() - 1)
     }
+}
+
+/// Refuses a material that has factors which are not finite.
+fn check_factors(material: &Material) -> Result<(), GltfError> {
+    let cutoff = match material.alpha_mode {
+        AlphaMode::Mask { cutoff } => cutoff,
+        _ => 0.0,
+    };
+    let scale = |texture: &Option<(TextureRef, f32)>| texture.map_or(0.0, |(_, scale)| scale);
+    let scalars = [
+        material.metallic,
+        material.roughness,
+        material.transmission,
+        cutoff,
+        scale(&material.normal_texture),
+        scale(&material.occlusion_texture),
+    ];
+    let colors_finite = material.base_color.is_finite() && material.emissive.is_finite();
+    if !(colors_finite && scalars.iter().all(|x| x.is_finite())) {
+        let what = format!("material '{}'", material.name);
+        return Err(GltfError::Save { what, problem: "has factors that are not finite".into() });
+    }
+    Ok(())
 }
 
 /// The error of something that a node refers to and that the scene no longer has.

@@ -1,10 +1,10 @@
-//! The fields of glTF 2.0's objects, as tables for `check`, and what fields must fit together.
+//! The fields of glTF 2.0's objects, as tables for `check`; what fields must fit together is in `together`.
 //!
 //! Only what this loader looks at refuses a file; the rest is here so that a note can say what is wrong with it.
 
 use std::collections::BTreeSet;
 
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use super::check::Kind::{
     Anything, Attributes, Bool, Code, Hint, Index, Indices, Number, Numbers, Object, Objects, SomeNumbers,
@@ -231,112 +231,6 @@ pub(super) fn of(section: Section) -> Shape {
         Section::Skins => SKIN,
         Section::Textures => TEXTURE,
     }
-}
-
-/// What fields of one thing must fit together; `odd` takes what does not.
-pub(super) fn check_together(section: Section, thing: &Map<String, Value>, odd: &mut dyn FnMut(&str)) {
-    let has = |field: &str| thing.get(field).is_some_and(|value| !value.is_null());
-    let number = |value: &Value, field: &str| value.get(field).and_then(Value::as_f64);
-    match section {
-        Section::Accessors => {
-            if has("byteOffset") && !has("bufferView") {
-                odd("it has a byteOffset, but no bufferView");
-            }
-            let component = thing.get("componentType").and_then(Value::as_u64);
-            let size = match component {
-                Some(5120 | 5121) => 1,
-                Some(5122 | 5123) => 2,
-                _ => 4,
-            };
-            if thing.get("byteOffset").and_then(Value::as_u64).is_some_and(|offset| offset % size != 0) {
-                odd("its byteOffset is no multiple of its components' size");
-            }
-            if thing.get("normalized") == Some(&Value::Bool(true)) && matches!(component, Some(5125 | 5126)) {
-                odd("components of this type cannot be normalized");
-            }
-        }
-        Section::BufferViews
-            if thing.get("byteStride").and_then(Value::as_u64).is_some_and(|stride| stride % 4 != 0) =>
-        {
-            odd("its byteStride is no multiple of 4");
-        }
-        Section::Buffers | Section::Images => {
-            let mime = match thing.get("uri").and_then(Value::as_str) {
-                Some(uri) => super::uri::problem(uri, section == Section::Images),
-                None => None,
-            };
-            if let Some(problem) = mime {
-                odd(&problem);
-            }
-            if section == Section::Images {
-                match (has("uri"), has("bufferView")) {
-                    (true, true) => odd("it has a uri and a bufferView; the bufferView is taken"),
-                    (false, false) => odd("it has neither uri nor bufferView"),
-                    (false, true) if !has("mimeType") => odd("it has a bufferView, but no mimeType"),
-                    _ => {}
-                }
-            }
-        }
-        Section::Nodes => {
-            if has("matrix") && (has("translation") || has("rotation") || has("scale")) {
-                odd("its transform is given twice");
-            }
-            for field in ["skin", "weights"] {
-                if has(field) && !has("mesh") {
-                    odd(&format!("it has {field}, but no mesh"));
-                }
-            }
-            let rotation = thing.get("rotation").and_then(Value::as_array);
-            let squares =
-                rotation.map(|all| all.iter().filter_map(Value::as_f64).map(|x| x * x).sum::<f64>());
-            if squares.is_some_and(|squares| (squares - 1.0).abs() > 1e-3) {
-                odd("its rotation has not length 1, and is brought to it");
-            }
-            if thing.get("matrix").is_some_and(shears) {
-                odd("its matrix is no translation, rotation and scale");
-            }
-        }
-        Section::Cameras => {
-            let kinds = ["perspective", "orthographic"];
-            if !kinds.iter().any(|kind| has(kind)) {
-                odd("it has neither perspective nor orthographic");
-            } else if kinds.iter().all(|kind| has(kind)) {
-                odd("it has both perspective and orthographic");
-            }
-            for lens in kinds.iter().filter_map(|kind| thing.get(*kind)) {
-                if number(lens, "zfar").zip(number(lens, "znear")).is_some_and(|(far, near)| far <= near) {
-                    odd("its zfar is not beyond its znear");
-                }
-                if ["xmag", "ymag"].iter().any(|field| number(lens, field) == Some(0.0)) {
-                    odd("its xmag or ymag is 0");
-                }
-            }
-        }
-        Section::Lights => {
-            let is_spot = thing.get("type").and_then(Value::as_str) == Some("spot");
-            match thing.get("spot") {
-                None if is_spot => odd("it is a spot without 'spot'"),
-                Some(cone) => {
-                    let outer = number(cone, "outerConeAngle").unwrap_or(std::f64::consts::FRAC_PI_4);
-                    if number(cone, "innerConeAngle").unwrap_or(0.0) >= outer {
-                        odd("its inner cone is not within its outer cone");
-                    }
-                }
-                None => {}
-            }
-        }
-        _ => {}
-    }
-}
-
-/// Whether a matrix is none that translation, rotation and scale make.
-fn shears(matrix: &Value) -> bool {
-    let Some(all) = matrix.as_array().filter(|all| all.len() == 16) else { return false };
-    let column =
-        |i: usize| glam::DVec3::from_array([0, 1, 2].map(|j| all[i * 4 + j].as_f64().unwrap_or(0.0)));
-    let [x, y, z] = [0, 1, 2].map(column);
-    [(x, y), (y, z), (z, x)].iter().any(|(a, b)| a.dot(*b).abs() > 1e-3 * a.length() * b.length())
-        || x.cross(y).dot(z) == 0.0
 }
 
 /// Where extensions that are understood have an effect.

@@ -8,11 +8,11 @@ use bytemuck::Zeroable;
 use wgpu::TextureFormat;
 
 use super::bindings::Layouts;
-use super::groups::group_passes;
+use super::groups::{PassGroup, group_passes};
 use super::materials::{FEW_LIGHTS, MAX_LIGHTS, Materials};
 use super::meshes::Meshes;
 use super::pipelines::Pipelines;
-use super::readback::{Pending, read_buffer};
+use super::readback::Pending;
 use super::{FrameUniform, Gpu, GpuError, InstanceUniform, LightUniform, Pixels};
 use crate::plan::{
     BufferUsage, FramePlan, Geometry, LightPlanned, Pass, Shader, Slot, SlotId, SlotKind, SurfaceStyle,
@@ -21,12 +21,14 @@ use crate::scene::{CameraSnapshot, SceneSnapshot, SurfaceFunction};
 use crate::shadow::MAX_SMOOTH_LIGHTS;
 
 use kept::{KeptTextures, is_due};
+use timestamps::Timestamps;
 
 mod attachments;
 pub(super) mod budget;
 mod encode;
 mod kept;
 mod surface;
+mod timestamps;
 
 /// What is timed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -204,29 +206,20 @@ impl Executor {
         let stale = self.kept_textures.stale(plan);
         let runs = |pass: &Pass| is_due(plan, pass, &stale);
         let groups = group_passes(plan, inputs.timing != Timing::Passes, runs);
-        let queries = self.queries(inputs.timing, groups.len());
+        let stamps = match inputs.timing {
+            Timing::Off => None,
+            _ => Timestamps::new(&self.gpu, groups.len() as u32),
+        };
 
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let scene =
             encode::Scene { plan, snapshot: inputs.snapshot, slots: &slots, frame_group: &frame_group };
         for (index, group) in groups.iter().enumerate() {
-            let stamps = queries.as_ref().map(|(set, _)| wgpu::RenderPassTimestampWrites {
-                query_set: set,
-                beginning_of_pass_write_index: Some(index as u32 * 2),
-                end_of_pass_write_index: Some(index as u32 * 2 + 1),
-            });
-            self.encode_group(&scene, group, stamps, &mut encoder)?;
+            let writes = stamps.as_ref().map(|stamps| stamps.around(index as u32));
+            self.encode_group(&scene, group, writes, &mut encoder)?;
         }
-        if let Some((set, resolved)) = &queries {
-            let count = groups.len() as u32 * 2;
-            let on_gpu = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("timestamps"),
-                size: resolved.size(),
-                usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-                mapped_at_creation: false,
-            });
-            encoder.resolve_query_set(set, 0..count, &on_gpu, 0);
-            encoder.copy_buffer_to_buffer(&on_gpu, 0, resolved, 0, resolved.size());
+        if let Some(stamps) = &stamps {
+            stamps.resolve(&self.gpu, &mut encoder);
         }
         let mut copies = Vec::new();
         for slot in inputs.read_back {
@@ -245,27 +238,11 @@ impl Executor {
         for copy in copies {
             executed.pixels.push(copy.finish(&self.gpu)?);
         }
-        if let Some((_, resolved)) = queries {
-            let stamps: Vec<u64> = bytemuck::pod_collect_to_vec(&read_buffer(&self.gpu, &resolved)?);
-            let ms_per_tick = f64::from(self.gpu.queue.get_timestamp_period()) * 1e-6;
-            // Clocks of some drivers step back between passes; a negative time is reported as none.
-            let elapsed = |from: u64, to: u64| to.saturating_sub(from) as f64 * ms_per_tick;
-            if let (Some(first), Some(last)) = (stamps.first(), stamps.get(groups.len() * 2 - 1)) {
-                executed.gpu_ms = Some(elapsed(*first, *last));
-            }
-            executed.times = groups
-                .iter()
-                .zip(stamps.chunks_exact(2))
-                .map(|(group, stamp)| PassTime {
-                    name: plan.passes[group.passes.clone()]
-                        .iter()
-                        .map(|p| p.name.as_str())
-                        .collect::<Vec<_>>()
-                        .join(" + "),
-                    passes: group.passes.clone(),
-                    gpu_ms: elapsed(stamp[0], stamp[1]),
-                })
-                .collect();
+        if let Some(stamps) = stamps {
+            let times = stamps.read(&self.gpu)?;
+            executed.gpu_ms = times.frame_ms;
+            let timed = groups.iter().zip(times.passes_ms);
+            executed.times = timed.map(|(group, gpu_ms)| pass_time(plan, group, gpu_ms)).collect();
         }
         Ok(executed)
     }
@@ -399,28 +376,12 @@ impl Executor {
             entries: &entries,
         })
     }
+}
 
-    fn queries(&self, timing: Timing, groups: usize) -> Option<(wgpu::QuerySet, wgpu::Buffer)> {
-        let limit = wgpu::QUERY_SET_MAX_QUERIES as usize;
-        if timing == Timing::Off
-            || groups * 2 > limit
-            || !self.gpu.features.contains(wgpu::Features::TIMESTAMP_QUERY)
-        {
-            return None;
-        }
-        let set = self.gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
-            label: Some("pass times"),
-            ty: wgpu::QueryType::Timestamp,
-            count: groups as u32 * 2,
-        });
-        let buffer = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("pass times"),
-            size: groups as u64 * 16,
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
-        Some((set, buffer))
-    }
+/// The time of passes that ran as one.
+fn pass_time(plan: &FramePlan, group: &PassGroup, gpu_ms: f64) -> PassTime {
+    let names: Vec<&str> = plan.passes[group.passes.clone()].iter().map(|pass| pass.name.as_str()).collect();
+    PassTime { name: names.join(" + "), passes: group.passes.clone(), gpu_ms }
 }
 
 /// A texture of (format, width and height in pixels, layers, samples).

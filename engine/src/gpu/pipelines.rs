@@ -202,12 +202,6 @@ fn create(
         VertexInput::Positions => &[Some(POSITION_LAYOUT)],
         VertexInput::All => &[Some(POSITION_LAYOUT), Some(ATTRIBUTE_LAYOUT)],
     };
-    let stencil = state.stencil.map_or_else(wgpu::StencilState::default, |stencil| wgpu::StencilState {
-        front: stencil.front,
-        back: stencil.back,
-        read_mask: stencil.read_mask.into(),
-        write_mask: stencil.write_mask.into(),
-    });
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(&shader.name),
         layout: Some(layout),
@@ -227,17 +221,7 @@ fn create(
             unclipped_depth: state.depth_clamp,
             ..Default::default()
         },
-        depth_stencil: wanted.depth_format.map(|format| wgpu::DepthStencilState {
-            format,
-            depth_write_enabled: Some(state.depth_write),
-            depth_compare: Some(state.depth_compare),
-            stencil,
-            bias: wgpu::DepthBiasState {
-                constant: state.depth_bias,
-                slope_scale: state.depth_bias as f32 * SLOPE_OF_ROUNDING_PX,
-                clamp: 0.0,
-            },
-        }),
+        depth_stencil: wanted.depth_format.map(|format| depth_stencil(format, state)),
         multisample: wgpu::MultisampleState { count: wanted.samples, ..Default::default() },
         fragment: fragment.map(|(module, entry)| wgpu::FragmentState {
             module,
@@ -248,4 +232,24 @@ fn create(
         multiview_mask: None,
         cache: None,
     })
+}
+
+fn depth_stencil(format: TextureFormat, state: &DrawState) -> wgpu::DepthStencilState {
+    let stencil = state.stencil.map_or_else(wgpu::StencilState::default, |stencil| wgpu::StencilState {
+        front: stencil.front,
+        back: stencil.back,
+        read_mask: stencil.read_mask.into(),
+        write_mask: stencil.write_mask.into(),
+    });
+    wgpu::DepthStencilState {
+        format,
+        depth_write_enabled: Some(state.depth_write),
+        depth_compare: Some(state.depth_compare),
+        stencil,
+        bias: wgpu::DepthBiasState {
+            constant: state.depth_bias,
+            slope_scale: state.depth_bias as f32 * SLOPE_OF_ROUNDING_PX,
+            clamp: 0.0,
+        },
+    }
 }

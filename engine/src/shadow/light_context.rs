@@ -38,6 +38,7 @@ pub struct LightContext<'a> {
     pub(crate) claim: &'a Claim,
     pub(crate) layer: Option<Layer>,
     pub(crate) has_size: bool,
+    pub(crate) is_beside_size: bool,
     pub(crate) counts_before: CountsBefore,
 }
 
@@ -102,6 +103,13 @@ impl<'a> LightContext<'a> {
     /// to darken nothing.
     pub fn has_size(&self) -> bool {
         self.has_size
+    }
+
+    /// Whether another node that serves this light takes it to have a size. It decides then which surfaces are beyond whose
+    /// horizon ([`Contribution::own_shadow`](super::Contribution::own_shadow)), and the engine darkens none for being turned
+    /// away: a technique for lights with a size has to darken those that see nothing of its own disc.
+    pub fn is_beside_size(&self) -> bool {
+        self.is_beside_size
     }
 
     /// A bound on what others have counted in the stencil so far: for this light, or for all lights that darken the

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::{Catalog, Layers, LightSize, ShadowError, ShadowTechnique};
-use crate::scene::{Params, SceneSnapshot};
+use crate::scene::{Params, SceneSnapshot, ShadowNodeSnapshot};
 
 /// What one node casts for one light.
 #[derive(Clone, Debug)]
@@ -51,76 +51,76 @@ impl Registry {
         let mut taken: Vec<HashMap<usize, usize>> = vec![HashMap::new(); snapshot.lights.len()];
         for node in &snapshot.shadow_nodes {
             let (type_name, technique) = catalog.technique(&node.name, &node.shadow)?;
-            let (label, traits) = (label(catalog, type_name, technique.as_ref()), technique.traits());
-            let mut casters = Vec::new();
-            for &index in &node.casters {
-                let instance = &snapshot.instances[index];
-                let casts = technique.casts(instance).map_err(|reason| ShadowError::CasterRefused {
-                    node: node.name.clone(),
-                    technique: type_name,
-                    caster: instance.name.clone(),
-                    reason,
-                })?;
-                if casts {
-                    casters.push(index);
-                } else {
-                    registry.notes.push(format!(
-                        "'{}' casts nothing through '{}': {type_name} leaves surfaces of its kind to other techniques",
-                        instance.name, node.name
-                    ));
-                }
-            }
-            let named = node.receivers.iter().filter(|_| traits.shades_receivers_only);
-            for instance in named.map(|index| &snapshot.instances[*index]) {
-                technique.receives(instance).map_err(|reason| ShadowError::ReceiverRefused {
-                    node: node.name.clone(),
-                    technique: type_name,
-                    receiver: instance.name.clone(),
-                    reason,
-                })?;
-            }
+            let label = label(catalog, type_name, technique.as_ref());
+            let mut claim = Claim {
+                node: node.name.clone(),
+                technique,
+                type_name,
+                label,
+                casters: Vec::new(),
+                receivers: node.receivers.clone(),
+            };
+            registry.choose_casters(snapshot, node, &mut claim)?;
+            check_receivers(snapshot, &claim)?;
             for &light in &node.lights {
-                let claims = &mut registry.lights[light];
-                let mut own = Vec::new();
-                for &caster in &casters {
-                    match taken[light].get(&caster) {
-                        None => own.push(caster),
-                        // Named twice, counted once.
-                        Some(&first) if claims[first].label == label => {}
-                        Some(&first) if claims[first].type_name == type_name => {
-                            return Err(ShadowError::OptionsDiffer {
-                                light: snapshot.lights[light].name.clone(),
-                                caster: snapshot.instances[caster].name.clone(),
-                                first: claims[first].node.clone(),
-                                first_options: claims[first].label.clone(),
-                                second: node.name.clone(),
-                                second_options: label,
-                            });
-                        }
-                        Some(&first) => {
-                            return Err(ShadowError::ClaimedTwice {
-                                light: snapshot.lights[light].name.clone(),
-                                caster: snapshot.instances[caster].name.clone(),
-                                first: claims[first].node.clone(),
-                                first_technique: claims[first].type_name,
-                                second: node.name.clone(),
-                                second_technique: type_name,
-                            });
-                        }
-                    }
-                }
-                taken[light].extend(own.iter().map(|caster| (*caster, claims.len())));
-                claims.push(Claim {
-                    node: node.name.clone(),
-                    technique: Arc::clone(&technique),
-                    type_name,
-                    label: label.clone(),
-                    casters: own,
-                    receivers: node.receivers.clone(),
-                });
+                registry.claim(snapshot, light, &claim, &mut taken[light])?;
             }
         }
         Ok(registry)
+    }
+
+    /// Chooses the node's casters that its technique takes, and notes the others.
+    fn choose_casters(
+        &mut self,
+        snapshot: &SceneSnapshot,
+        node: &ShadowNodeSnapshot,
+        claim: &mut Claim,
+    ) -> Result<(), ShadowError> {
+        let technique = claim.type_name;
+        for &index in &node.casters {
+            let instance = &snapshot.instances[index];
+            let casts = claim.technique.casts(instance).map_err(|reason| ShadowError::CasterRefused {
+                node: node.name.clone(),
+                technique,
+                caster: instance.name.clone(),
+                reason,
+            })?;
+            if casts {
+                claim.casters.push(index);
+            } else {
+                self.notes.push(format!(
+                    "'{}' casts nothing through '{}': {technique} leaves surfaces of its kind to other techniques",
+                    instance.name, node.name
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds a node's claim to one light, with the casters that no node has claimed before.
+    fn claim(
+        &mut self,
+        snapshot: &SceneSnapshot,
+        light: usize,
+        claim: &Claim,
+        taken: &mut HashMap<usize, usize>,
+    ) -> Result<(), ShadowError> {
+        let claims = &mut self.lights[light];
+        let mut own = Vec::new();
+        for &caster in &claim.casters {
+            match taken.get(&caster).map(|first| &claims[*first]) {
+                None => own.push(caster),
+                // Named twice, counted once.
+                Some(first) if first.label == claim.label => {}
+                Some(first) => {
+                    let light = snapshot.lights[light].name.clone();
+                    return Err(claimed_twice(light, snapshot.instances[caster].name.clone(), first, claim));
+                }
+            }
+        }
+        taken.extend(own.iter().map(|caster| (*caster, claims.len())));
+        claims.push(Claim { casters: own, ..claim.clone() });
+        Ok(())
     }
 
     /// The casters of `light`, over all claims, ascending.
@@ -146,6 +146,43 @@ impl Registry {
             .map(|claim| claim.technique.traits().receiver_layers)
             .max()
             .unwrap_or_default()
+    }
+}
+
+/// Refuses receivers that a technique which shades named ones only cannot shade.
+fn check_receivers(snapshot: &SceneSnapshot, claim: &Claim) -> Result<(), ShadowError> {
+    let named = claim.receivers.iter().filter(|_| claim.technique.traits().shades_receivers_only);
+    for instance in named.map(|index| &snapshot.instances[*index]) {
+        claim.technique.receives(instance).map_err(|reason| ShadowError::ReceiverRefused {
+            node: claim.node.clone(),
+            technique: claim.type_name,
+            receiver: instance.name.clone(),
+            reason,
+        })?;
+    }
+    Ok(())
+}
+
+/// The error of a caster that two nodes claim for one light, through two techniques or with two sets of options.
+fn claimed_twice(light: String, caster: String, first: &Claim, second: &Claim) -> ShadowError {
+    if first.type_name == second.type_name {
+        ShadowError::OptionsDiffer {
+            light,
+            caster,
+            first: first.node.clone(),
+            first_options: first.label.clone(),
+            second: second.node.clone(),
+            second_options: second.label.clone(),
+        }
+    } else {
+        ShadowError::ClaimedTwice {
+            light,
+            caster,
+            first: first.node.clone(),
+            first_technique: first.type_name,
+            second: second.node.clone(),
+            second_technique: second.type_name,
+        }
     }
 }
 

@@ -171,19 +171,10 @@ fn the_fox_stands_where_a_second_evaluation_says() {
     }
 }
 
-/// A bent, morphing, animated scene in numbers that f32 holds.
-fn rich() -> Scene {
-    let mut scene = Scene::new();
-    let lower = scene.add_group("lower");
-    let rest = Transform {
-        translation: DVec3::new(0.1, 2.0, 1.0 / 3.0),
-        rotation: DQuat::from_rotation_x(0.3),
-        scale: DVec3::new(1.0, -2.0, 0.7),
-    };
-    scene.set_transform(lower, rest).unwrap();
-    let upper = scene.add(Some(lower), "upper", DAffine3::from_translation(DVec3::Y), Content::Group);
+/// A tetrahedron with two morph targets; one of its vertices follows more joints than four.
+fn bent() -> MeshData {
     let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(0.1, 0.2, 1.0 / 3.0)];
-    let data = MeshData {
+    MeshData {
         name: "bent".into(),
         influences: (0..4)
             .map(|i| {
@@ -204,7 +195,21 @@ fn rich() -> Scene {
         positions,
         indices: vec![0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3],
         ..MeshData::default()
+    }
+}
+
+/// A bent, morphing, animated scene in numbers that f32 holds.
+fn rich() -> Scene {
+    let mut scene = Scene::new();
+    let lower = scene.add_group("lower");
+    let rest = Transform {
+        translation: DVec3::new(0.1, 2.0, 1.0 / 3.0),
+        rotation: DQuat::from_rotation_x(0.3),
+        scale: DVec3::new(1.0, -2.0, 0.7),
     };
+    scene.set_transform(lower, rest).unwrap();
+    let upper = scene.add(Some(lower), "upper", DAffine3::from_translation(DVec3::Y), Content::Group);
+    let data = bent();
     let many = MeshData {
         name: "many joints".into(),
         influences: (0..4).map(|i| Influences::new((0..8).map(|joint| ((joint + i) % 9, 0.125)))).collect(),

@@ -26,14 +26,6 @@ fn accessors() {
             "/accessors/-" = { "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [0, 0, 0] },
             "/meshes/0/primitives/0/targets" = [{ "POSITION": 9 }]
         } Loads;
-        "sparse over zeros" {
-            "/accessors/2" = { "componentType": 5126, "count": 4, "type": "VEC2", "sparse": { "count": 1,
-                "indices": { "bufferView": 7, "componentType": 5121 }, "values": { "bufferView": 2 } } }
-        } Loads;
-        "sparse over values" {
-            "/accessors/1/sparse" = { "count": 2.0,
-                "indices": { "bufferView": 7, "componentType": 5121 }, "values": { "bufferView": 1, "byteOffset": 0e0 } }
-        } Loads;
         "whole numbers with a point" {
             "/accessors/0/count" = 4.0, "/accessors/0/componentType" = 5126.0, "/accessors/0/bufferView" = 0.0,
             "/bufferViews/0/byteLength" = 48.0, "/bufferViews/0/buffer" = 0.0, "/nodes/0/mesh" = 0.0,
@@ -72,6 +64,26 @@ fn accessors() {
         "too long" { "/accessors/0/count" = 400 } Refused("accessor 0 needs");
         "too long by its offset" { "/accessors/0/byteOffset" = 4 } Refused("accessor 0 needs");
         "empty" { "/accessors/0/count" = 0 } Refused("at least 1");
+        "bounds that are not" { "/accessors/0/max" = [9, 1, 1] } Notes("'max'");
+        "bounds of another width" { "/accessors/0/max" = [1] } Notes("'max'");
+        "bounds that are no numbers" { "/accessors/0/max" = ["1"] } Refused("accessors[0].max");
+        "floats said to be normalized" { "/accessors/0/normalized" = true } Notes("normalized");
+        "no bounds of positions" { "/accessors/0/max" = null } Notes("no min and max");
+        "text in the place of yes or no" { "/accessors/0/normalized" = "yes" } Refused("true or false");
+    });
+}
+
+#[test]
+fn sparse_accessors() {
+    check(rows! {
+        "sparse over zeros" {
+            "/accessors/2" = { "componentType": 5126, "count": 4, "type": "VEC2", "sparse": { "count": 1,
+                "indices": { "bufferView": 7, "componentType": 5121 }, "values": { "bufferView": 2 } } }
+        } Loads;
+        "sparse over values" {
+            "/accessors/1/sparse" = { "count": 2.0,
+                "indices": { "bufferView": 7, "componentType": 5121 }, "values": { "bufferView": 1, "byteOffset": 0e0 } }
+        } Loads;
         "more sparse values than values" {
             "/accessors/1/sparse" = { "count": 5, "indices": { "bufferView": 7, "componentType": 5121 },
                 "values": { "bufferView": 1 } }
@@ -83,12 +95,6 @@ fn accessors() {
         "sparse without values" {
             "/accessors/1/sparse" = { "count": 1, "indices": { "bufferView": 7, "componentType": 5121 } }
         } Refused("accessors[1].sparse.values");
-        "bounds that are not" { "/accessors/0/max" = [9, 1, 1] } Notes("'max'");
-        "bounds of another width" { "/accessors/0/max" = [1] } Notes("'max'");
-        "bounds that are no numbers" { "/accessors/0/max" = ["1"] } Refused("accessors[0].max");
-        "floats said to be normalized" { "/accessors/0/normalized" = true } Notes("normalized");
-        "no bounds of positions" { "/accessors/0/max" = null } Notes("no min and max");
-        "text in the place of yes or no" { "/accessors/0/normalized" = "yes" } Refused("true or false");
     });
 }
 

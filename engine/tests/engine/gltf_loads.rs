@@ -96,8 +96,8 @@ fn packed_vertices_and_triangles_are_unpacked() {
     assert_eq!(found, wanted.iter().map(|triangle| turned(triangle)).collect::<Vec<_>>());
 }
 
-#[test]
-fn packed_indices_and_filters_are_unpacked() {
+/// A document with a buffer for each of the filters: a sequence of indices, normals, translations and rotations.
+fn packed_by_filters() -> Value {
     let mut document = packed();
     document["accessors"].as_array_mut().unwrap().resize(5, Value::Null);
     let mut set = |place: usize, hex: &str, extension: Value, accessor: Value| {
@@ -153,7 +153,12 @@ fn packed_indices_and_filters_are_unpacked() {
         .as_array_mut()
         .unwrap()
         .push(json!({ "primitives": [{ "attributes": { "POSITION": 5, "NORMAL": 2 } , "mode": 5 }] }));
-    let loaded = load(&document).unwrap();
+    document
+}
+
+#[test]
+fn packed_indices_and_filters_are_unpacked() {
+    let loaded = load(&packed_by_filters()).unwrap();
     let snapshot = loaded.scene.snapshot().unwrap();
     assert_eq!(snapshot.instances[0].mesh.triangle_count(), 25);
     let places: Vec<[f64; 3]> =

@@ -7,8 +7,8 @@ use shadowgraph_engine::geometry::{Mesh, MeshData, Part};
 use shadowgraph_engine::gltf::{self, GltfError};
 use shadowgraph_engine::math::Projection;
 use shadowgraph_engine::scene::{
-    AlphaMode, Camera, Content, Image, Light, LightKind, Material, MeshNode, NodeKey, ParamValue, Scene,
-    SceneSnapshot, Scope, ShadowFlags, ShadowNode, TextureRef, UvTransform, Wrap, placed,
+    AlphaMode, Camera, Content, Image, ImageKey, Light, LightKind, Material, MeshNode, NodeKey, ParamValue,
+    Scene, SceneSnapshot, Scope, ShadowFlags, ShadowNode, TextureRef, UvTransform, Wrap, placed,
 };
 
 /// A tetrahedron in two parts.
@@ -26,17 +26,13 @@ fn tetrahedron() -> Mesh {
     .unwrap()
 }
 
-fn rich_scene() -> Scene {
-    let mut scene = Scene::new();
-    scene.set_ambient(Vec3::new(0.1, 0.123_456_79, 0.3));
-    scene.set_background(Vec3::new(0.7, 0.0, 0.1));
-    let rgba8 = (0..24).map(|i| i * 10).collect();
-    let image = scene.add_image(Arc::new(Image { name: "checker".into(), width: 3, height: 2, rgba8 }));
+/// A material of which nothing is at its default.
+fn glass(image: ImageKey) -> Material {
     let transform =
         UvTransform { offset: Vec2::new(0.1, 0.2), rotation_rad: 0.3, scale: Vec2::new(2.0, -3.0) };
     let wrap = [Wrap::Mirror, Wrap::Clamp];
     let texture = TextureRef { wrap, smooth: false, transform, ..TextureRef::new(image) };
-    let glass = scene.add_material(Material {
+    Material {
         name: "glass".into(),
         base_color: Vec4::new(0.1, 0.2, 0.3, 0.4),
         base_color_texture: Some(texture),
@@ -52,7 +48,16 @@ fn rich_scene() -> Scene {
         unlit: false,
         transmission: 0.65,
         surface: None,
-    });
+    }
+}
+
+fn rich_scene() -> Scene {
+    let mut scene = Scene::new();
+    scene.set_ambient(Vec3::new(0.1, 0.123_456_79, 0.3));
+    scene.set_background(Vec3::new(0.7, 0.0, 0.1));
+    let rgba8 = (0..24).map(|i| i * 10).collect();
+    let image = scene.add_image(Arc::new(Image { name: "checker".into(), width: 3, height: 2, rgba8 }));
+    let glass = scene.add_material(glass(image));
     let blend = Material { alpha_mode: AlphaMode::Blend, ..Material::matt("sign", Vec3::splat(0.5)) };
     let sign = scene.add_material(Material { unlit: true, ..blend });
     let mesh = scene.add_mesh_data(Arc::new(tetrahedron()));

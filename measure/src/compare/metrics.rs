@@ -263,15 +263,8 @@ fn compare_light(
         is_converged: light.soft.as_ref().is_some_and(|soft| soft.same_samples.is_none()),
         ..LightError::default()
     };
-    let mut band_px = 0.0;
     let mut compared = Vec::new();
     for (pixel, (ids, hit)) in measured.ids.iter().zip(&reference.hits).enumerate() {
-        if light.compared[pixel] && light.ambiguous[pixel] {
-            let width = |channel| light.bounds(pixel, channel, 0.0).into_iter().rev().reduce(|a, b| a - b);
-            error.band_pixels += 1;
-            let counts = if light.is_uncounted(pixel) { 0..0 } else { 0..channels };
-            band_px += counts.filter_map(width).map(f64::from).fold(0.0, f64::max);
-        }
         if !sees_same(*ids, *hit) {
             error.different_triangle += 1;
         } else if light.compared[pixel] {
@@ -283,13 +276,8 @@ fn compare_light(
             compared.push(pixel);
         }
     }
-    let boundary_px = match &light.soft {
-        None => error.boundary_pixels as f64,
-        Some(soft) if !error.is_converged => soft.boundary_px,
-        // Of a whole light the samples' own boundaries are not known. Together they are no less than the steps of the factor.
-        Some(_) => steps_px(&light.factor, &light.compared, width),
-    };
-    error.band_px = band_px;
+    (error.band_pixels, error.band_px) = band(light, channels);
+    let boundary_px = boundary_px(&error, light, width);
     error.band_limit_px = BAND_PIXELS_PER_BOUNDARY_PIXEL as f64 * boundary_px + BAND_FLOOR_PIXELS as f64;
     error.band_too_wide = error.band_px > error.band_limit_px;
     let distances = OnceCell::new();
@@ -314,6 +302,28 @@ fn compare_light(
         .enumerate()
         .map(|(index, name)| judge(&format!("{} {name}", light.name), &|pixel| channel(pixel, index)));
     Ok(LightError { channels: parts.collect(), ..judge(&light.name, &whole) })
+}
+
+/// How many pixels the band has, and how many it has if each counts as far as its bounds are apart.
+fn band(light: &LightReference, channels: usize) -> (usize, f64) {
+    let (mut pixels, mut px) = (0, 0.0);
+    for pixel in (0..light.compared.len()).filter(|pixel| light.compared[*pixel] && light.ambiguous[*pixel]) {
+        let width = |channel| light.bounds(pixel, channel, 0.0).into_iter().rev().reduce(|a, b| a - b);
+        pixels += 1;
+        let counts = if light.is_uncounted(pixel) { 0..0 } else { 0..channels };
+        px += counts.filter_map(width).map(f64::from).fold(0.0, f64::max);
+    }
+    (pixels, px)
+}
+
+/// The length of the shadow's boundary in pixels, which bounds its band.
+fn boundary_px(error: &LightError, light: &LightReference, width: usize) -> f64 {
+    match &light.soft {
+        None => error.boundary_pixels as f64,
+        Some(soft) if !error.is_converged => soft.boundary_px,
+        // Of a whole light the samples' own boundaries are not known. Together they are no less than the steps of the factor.
+        Some(_) => steps_px(&light.factor, &light.compared, width),
+    }
 }
 
 impl LightError {

@@ -25,7 +25,7 @@ use super::stretched::Stretched;
 use crate::common::beside_light::{distance_to_segment, distance_to_triangle};
 use crate::common::volume::{CastShape, Half};
 
-/// An edge in four texels: see soft_light.wgsl.
+/// An edge in four texels: see soft_seen.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[allow(missing_docs, reason = "documented where the shader reads them")]
@@ -38,7 +38,7 @@ pub(super) struct SoftEdge {
     pub plane_2: [f32; 4],
 }
 
-/// A triangle in four texels: see soft_light.wgsl.
+/// A triangle in four texels: see soft_seen.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[allow(missing_docs, reason = "documented where the shader reads them")]

@@ -10,7 +10,7 @@ use super::clusters::clusters;
 use super::lists::{ListedEdge, SoftGrid};
 use super::near_light_triangles::near_lists;
 
-/// `struct SoftCluster` of soft_light.wgsl.
+/// `struct SoftCluster` of soft_near.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[allow(missing_docs, reason = "documented where the shader reads them")]
@@ -42,103 +42,121 @@ pub(super) struct Chains {
     pub(super) centers: Vec<DVec3>,
 }
 
+/// Triangles of all casters, those that lie together next to one another.
+#[derive(Default)]
+struct Clustered {
+    clusters: Vec<SoftCluster>,
+    records: Vec<SoftTriangle>,
+    beside: Vec<BesideTriangle>,
+    /// The corners of each triangle in the world, and whether it hides the light's centre from some receiver.
+    triangles: Vec<([DVec3; 3], bool)>,
+}
+
+impl Clustered {
+    /// Adds the near triangles of a caster, or its others.
+    fn add(&mut self, caster: u32, chain: &CasterChain, near: bool) {
+        let chosen: Vec<_> = chain.triangles.iter().filter(|triangle| triangle.near == near).collect();
+        let corners: Vec<[DVec3; 3]> = chosen.iter().map(|triangle| triangle.corners).collect();
+        let (order, found) = clusters(&corners);
+        let first = self.records.len();
+        self.clusters.extend(found.into_iter().map(|cluster| {
+            let center = cluster.center - chain.center;
+            SoftCluster {
+                center: center.as_vec3().to_array(),
+                // As much as rounding may take.
+                radius_m: ((cluster.radius_m + center.length() * 1e-6) * (1.0 + 1e-6)) as f32,
+                first: (first + cluster.triangles.start) as u32,
+                end: (first + cluster.triangles.end) as u32,
+                caster,
+                pad_0: 0,
+            }
+        }));
+        let ordered = || order.iter().map(|i| chosen[*i]);
+        self.records.extend(ordered().map(|triangle| SoftTriangle { caster, ..triangle.record }));
+        self.beside.extend(ordered().map(|triangle| triangle.beside));
+        self.triangles.extend(ordered().map(|triangle| (triangle.corners, triangle.hides_center)));
+    }
+
+    /// Appends other triangles.
+    fn append(&mut self, others: Self) {
+        let first = self.records.len() as u32;
+        self.clusters.extend(others.clusters.into_iter().map(|cluster| SoftCluster {
+            first: first + cluster.first,
+            end: first + cluster.end,
+            ..cluster
+        }));
+        self.records.extend(others.records);
+        self.beside.extend(others.beside);
+        self.triangles.extend(others.triangles);
+    }
+}
+
 impl Chains {
     /// Of all `casters`, listed over `grid`.
     pub(super) fn new<'a>(grid: SoftGrid, casters: impl Iterator<Item = &'a CasterChain>) -> Self {
         let mut edges: Vec<SoftEdge> = Vec::new();
         let mut listed_edges: Vec<ListedEdge> = Vec::new();
-        // Near triangles come first, cluster by cluster; then those of the chain.
-        let ball = grid.light;
-        let mut near_corners: Vec<[DVec3; 3]> = Vec::new();
-        let mut near: (Vec<SoftCluster>, Vec<SoftTriangle>, Vec<Option<[DVec3; 3]>>) = Default::default();
-        let mut far: (Vec<SoftCluster>, Vec<SoftTriangle>, Vec<Option<[DVec3; 3]>>) = Default::default();
-        let mut beside: [Vec<BesideTriangle>; 2] = Default::default();
+        let (mut near, mut far) = (Clustered::default(), Clustered::default());
         let mut is_beside = false;
         let mut centers = Vec::new();
-        for (number, chain) in casters.enumerate() {
-            let caster = number as u32;
-            is_beside |= chain.beside;
-            centers.push(chain.center);
-            edges.extend(chain.edges.iter().map(|edge| SoftEdge { caster, ..edge.record }));
+        for (caster, chain) in (0..).zip(casters) {
             let center = chain.center;
-            listed_edges.extend(chain.edges.iter().map(|edge| ListedEdge {
-                ends: edge.ends,
-                record: edge.record,
-                center,
-            }));
-            for (is_near, (clusters_of, records, listed)) in [(true, &mut near), (false, &mut far)] {
-                let chosen: Vec<_> =
-                    chain.triangles.iter().filter(|triangle| triangle.near == is_near).collect();
-                let corners: Vec<[DVec3; 3]> = chosen.iter().map(|triangle| triangle.corners).collect();
-                let (order, found) = clusters(&corners);
-                let first = records.len();
-                for cluster in found {
-                    let center = cluster.center - chain.center;
-                    clusters_of.push(SoftCluster {
-                        center: center.as_vec3().to_array(),
-                        // As much as rounding may take.
-                        radius_m: ((cluster.radius_m + center.length() * 1e-6) * (1.0 + 1e-6)) as f32,
-                        first: (first + cluster.triangles.start) as u32,
-                        end: (first + cluster.triangles.end) as u32,
-                        caster,
-                        pad_0: 0,
-                    });
-                }
-                if is_near {
-                    near_corners.extend(order.iter().map(|i| corners[*i]));
-                }
-                records.extend(order.iter().map(|i| SoftTriangle { caster, ..chosen[*i].record }));
-                beside[usize::from(!is_near)].extend(order.iter().map(|i| chosen[*i].beside));
-                listed.extend(order.iter().map(|i| chosen[*i].hides_center.then_some(corners[*i])));
-            }
+            is_beside |= chain.beside;
+            centers.push(center);
+            edges.extend(chain.edges.iter().map(|edge| SoftEdge { caster, ..edge.record }));
+            let listed = chain.edges.iter().map(|edge| (edge.ends, edge.record));
+            listed_edges.extend(listed.map(|(ends, record)| ListedEdge { ends, record, center }));
+            near.add(caster, chain, true);
+            far.add(caster, chain, false);
         }
-        let (near_count, near_clusters) = (near.1.len(), near.0.len());
-        let listed: Vec<(u32, [DVec3; 3])> = (near_count as u32..)
-            .zip(&far.2)
-            .filter_map(|(number, corners)| Some((number, (*corners)?)))
-            .collect();
-        let (grid, mut lists, mut longest_lists) = grid.lists(&listed_edges, &listed);
+        let (ball, near_clusters) = (grid.light, near.clusters.len());
+        // Near triangles come first, and are in lists of their own.
+        let far_numbers = near.records.len() as u32..;
+        let hiding = far_numbers.zip(&far.triangles).filter(|(_, (_, hides_center))| *hides_center);
+        let hiding: Vec<(u32, [DVec3; 3])> =
+            hiding.map(|(number, (corners, _))| (number, *corners)).collect();
+        let (grid, mut lists, mut longest_lists) = grid.lists(&listed_edges, &hiding);
+        let near_corners: Vec<[DVec3; 3]> = near.triangles.iter().map(|(corners, _)| *corners).collect();
         let mut first_near_list = 0;
         if let Some(of_cells) = near_lists(&ball, &near_corners) {
             first_near_list = lists.len();
-            let mut place = (lists.len() + of_cells.len() + 1) as u32;
-            lists.push(place);
-            for list in &of_cells {
-                place += list.len() as u32;
-                lists.push(place);
-            }
-            lists.extend(of_cells.iter().flatten());
+            append_lists(&mut lists, &of_cells);
             // Each round of samples walks them.
             longest_lists[1] += 4 * of_cells.iter().map(Vec::len).max().unwrap_or_default();
         }
-        let shifted = far.0.iter().map(|cluster| SoftCluster {
-            first: cluster.first + near_count as u32,
-            end: cluster.end + near_count as u32,
-            ..*cluster
-        });
-        let all_clusters: Vec<SoftCluster> = near.0.iter().copied().chain(shifted).collect();
-        let (edge_count, triangle_count) = (edges.len(), near_count + far.1.len());
+        let edge_count = edges.len();
         // No buffer is empty.
         if edges.is_empty() {
             edges.push(SoftEdge::default());
         }
-        let triangles: Vec<SoftTriangle> = near.1.into_iter().chain(far.1).collect();
-        let beside = beside.concat();
+        let mut all = near;
+        all.append(far);
         let bytes = |bytes: &[u8]| Arc::new(bytes.to_vec());
         Self {
             edges: bytes(cast_slice(&edges)),
-            triangles: bytes(cast_slice(&triangles)),
-            beside: bytes(if is_beside { cast_slice(&beside) } else { &[] }),
+            triangles: bytes(cast_slice(&all.records)),
+            beside: bytes(if is_beside { cast_slice(&all.beside) } else { &[] }),
             lists: bytes(cast_slice(&lists)),
-            clusters: bytes(cast_slice(&all_clusters)),
+            clusters: bytes(cast_slice(&all.clusters)),
             near_clusters,
             near_lists: first_near_list,
-            cluster_count: all_clusters.len(),
+            cluster_count: all.clusters.len(),
             edge_count,
-            triangle_count,
+            triangle_count: all.records.len(),
             longest_lists,
             grid,
             centers,
         }
     }
+}
+
+/// Appends lists as the shader reads them: where each begins, where the last one ends, then all that is in them.
+fn append_lists(lists: &mut Vec<u32>, of_cells: &[Vec<u32>]) {
+    let mut place = (lists.len() + of_cells.len() + 1) as u32;
+    lists.push(place);
+    for list in of_cells {
+        place += list.len() as u32;
+        lists.push(place);
+    }
+    lists.extend(of_cells.iter().flatten());
 }

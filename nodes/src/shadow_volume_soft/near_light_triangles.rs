@@ -10,11 +10,11 @@ use glam::{DVec2, DVec3};
 
 use super::chain::LightBall;
 
-/// Cells along a side of each of the cube's six faces: NEAR_SIDE of soft_light.wgsl.
+/// Cells along a side of each of the cube's six faces: NEAR_SIDE of soft_lists.wgsl.
 const SIDE: usize = 12;
 /// More triangles than that are asked cluster by cluster.
 const MOST: usize = 1024;
-/// How far off, as an angle, the direction may be for which the shader looks up a cell: NEAR_MARGIN of soft_light.wgsl, and
+/// How far off, as an angle, the direction may be for which the shader looks up a cell: NEAR_MARGIN of soft_lists.wgsl, and
 /// as much again for what f32 makes of the cell's border.
 const MARGIN: f64 = 2e-3;
 
@@ -114,7 +114,7 @@ mod tests {
         DVec3::new(random(seed), random(seed), random(seed))
     }
 
-    /// The cell of a direction, as soft_light.wgsl finds it.
+    /// The cell of a direction, as soft_lists.wgsl finds it.
     fn cell_of(d: DVec3) -> usize {
         let size = d.abs();
         let axis = if size.z > size.x.max(size.y) { 2 } else { usize::from(size.y > size.x) };

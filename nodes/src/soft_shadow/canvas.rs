@@ -48,7 +48,7 @@ macro_rules! fields {
 /// Every structure of the shader as it is here, and the flags under which the shader has it: what the layout test
 /// compares.
 pub fn planar_layouts() -> [(&'static str, &'static str, Layout); 3] {
-    use super::casters::MaskedCorner;
+    use super::batches::MaskedCorner;
     let mut light = fields!(PlanarLight: center, radius_m, count, center_point, half_m);
     light.push(("points", size_of::<PlanarLight>()));
     let texture = fields!(PlanarTexture: x_axis, x_offset, y_axis, y_offset);

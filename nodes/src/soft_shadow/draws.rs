@@ -9,8 +9,9 @@ use shadowgraph_engine::shadow::{
     Binding, ColorTarget, DepthTarget, Draw, Geometry, LightContext, Pass, PassList, hash_of,
 };
 
+use super::batches::Batch;
 use super::canvas::{Canvas, Targets};
-use super::casters::{Batch, Casters};
+use super::casters::Casters;
 use super::receivers::Receiver;
 use super::{Lit, POINTS_OF_A_LAYER};
 

@@ -1,10 +1,22 @@
 // Triangles that are asked one by one: near the light or wide as it sees them, or any for receivers at the light. They are
-// listed by directions from the light's centre, see near.rs of the technique, or lie in clusters.
+// listed by directions from the light's centre, see near_light_triangles.rs of ShadowVolumeSoft, or lie in clusters.
 
-#import common/soft_light
+#import common/soft_seen
 
 #if CASTERS
 #if CLUSTERS
+// Triangles that lie together, and the sphere around them.
+struct SoftCluster {
+    center: vec3f,
+    radius_m: f32,
+    first: u32,
+    end: u32,
+    caster: u32,
+    pad_0: u32,
+}
+
+@group(1) @binding(4) var<storage, read> soft_clusters: array<SoftCluster>;
+
 // Whether a sphere may reach into the cone from the receiver to the disc.
 fn may_reach(cluster: SoftCluster, r: Receiver) -> bool {
     let caster = center_of(cluster.caster);

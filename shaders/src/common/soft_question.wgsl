@@ -2,6 +2,7 @@
 // knows a light by `common/soft_light` begins with it, in a draw of its own that marks the rest.
 
 #import common/soft_light
+#import common/soft_lists
 
 // What is known of a pixel before its frame is.
 struct Question {

@@ -2,8 +2,9 @@
 
 use shadowgraph::measure::{Measured, measured};
 use shadowgraph::prelude::*;
+use shadowgraph_engine::shadow::TechniqueEntry;
 
-use crate::skip;
+use crate::{catalog_with, skip};
 
 /// A renderer on the chosen adapter. Without an adapter the test is skipped with a word, unless `REQUIRE_GPU` is
 /// set: then it fails.
@@ -17,6 +18,11 @@ pub fn renderer() -> Option<Renderer> {
         }
         Err(error) => panic!("REQUIRE_GPU is set, but {error}"),
     }
+}
+
+/// [`renderer`] with further techniques in its catalog.
+pub fn renderer_with(entries: &[TechniqueEntry]) -> Option<Renderer> {
+    Some(Renderer::new(renderer()?.gpu().clone(), catalog_with(entries)))
 }
 
 /// Renders `scene` with its factors, as the measures want them.

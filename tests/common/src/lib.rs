@@ -1,4 +1,5 @@
-//! What the test binaries share: small scenes and questions about their plans, one renderer, and a shader's twin on the CPU.
+//! What the test binaries share: small scenes and questions about their plans, techniques made of a
+//! closure, one renderer, and a shader's twin on the CPU.
 //!
 //! It is a crate, so that each binary takes what it needs and nothing is dead code in the others.
 
@@ -8,8 +9,10 @@
 mod gpu;
 mod plans;
 mod skipped;
+mod technique;
 pub mod twin;
 
-pub use gpu::{measure, mesh, renderer};
+pub use gpu::{measure, mesh, renderer, renderer_with};
 pub use plans::*;
 pub use skipped::{model, skip};
+pub use technique::*;

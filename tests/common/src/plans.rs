@@ -4,18 +4,13 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 use shadowgraph_engine::geometry::{Mesh, MeshData};
-use shadowgraph_engine::plan::{
-    Draw, DrawState, FramePlan, Geometry, Shader, SlotKind, StencilOperation, SurfaceStyle,
-};
+use shadowgraph_engine::plan::{Draw, FramePlan, Geometry, SlotKind, StencilOperation, SurfaceStyle};
 use shadowgraph_engine::render::{Adapter, FrameError, FrameRequest, plan_frame};
 use shadowgraph_engine::scene::{
-    Camera, CameraSnapshot, Content, Instance, Light, Material, MeshNode, NodeKey, ParamValue, Params, Scene,
-    ShadowFlags, ShadowNode,
+    Camera, CameraSnapshot, Content, Light, Material, MeshNode, NodeKey, ParamValue, Scene, ShadowFlags,
+    ShadowNode,
 };
-use shadowgraph_engine::shadow::{
-    self as shadow, Cache, Catalog, Channels, Contribution, LightContext, OptionTable, PassList, Registry,
-    ShadowError, ShadowTechnique, TechniqueEntry, Traits,
-};
+use shadowgraph_engine::shadow::{Cache, Catalog, Registry};
 use shadowgraph_nodes::ShadowVolumeHard;
 use shadowgraph_nodes::common::volume::VolumeUniform;
 
@@ -176,53 +171,4 @@ pub fn has_stencil(plan: &FramePlan) -> bool {
 
 pub fn has_note(plan: &FramePlan, text: &str) -> bool {
     plan.notes.iter().any(|note| note.contains(text))
-}
-
-/// A technique of these tests' own: it multiplies the light's visibility by nothing at all.
-#[derive(Debug)]
-pub struct Veil;
-
-impl Veil {
-    pub const ENTRY: TechniqueEntry = TechniqueEntry {
-        type_name: "Veil",
-        short_name: "veil",
-        summary: "leaves the factor in a visibility target",
-        from_params: |_| Ok(Arc::new(Self)),
-        options: OptionTable::none,
-        settings: &[],
-    };
-}
-
-impl ShadowTechnique for Veil {
-    fn params(&self) -> Params {
-        Params::new()
-    }
-
-    fn traits(&self) -> Traits {
-        Traits { known_error: "everything", ..Traits::default() }
-    }
-
-    fn casts(&self, _: &Instance) -> Result<bool, String> {
-        Ok(true)
-    }
-
-    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
-        let shader = Shader::composed("resolve_mask", &[], "fullscreen_vertex", Some("darken"))?;
-        let state = DrawState::new(shadowgraph_engine::plan::CompareFunction::Always, vec![None]);
-        out.pass(shadow::Pass {
-            name: format!("veil of {}", light.light().name),
-            reason: "a test".into(),
-            colors: vec![shadow::ColorTarget::VISIBILITY],
-            depth: None,
-            draws: vec![shadow::Draw::new("veil", shadow::Geometry::fullscreen(shader), state)],
-        });
-        Ok(Contribution::visibility(Channels::One))
-    }
-}
-
-/// The project's techniques and [`Veil`].
-pub fn catalog_with_veil() -> Catalog {
-    let mut catalog = shadowgraph_nodes::catalog();
-    catalog.register(Veil::ENTRY);
-    catalog
 }
