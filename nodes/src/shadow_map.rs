@@ -29,6 +29,7 @@ use shadowgraph_engine::shadow::{
     ShadowTechnique, Traits,
 };
 
+use crate::common::culling::shows_its_inside;
 use crate::common::light_views::MapSize;
 use crate::common::map_casters::{CasterBuffers, Drawn, casters_of};
 use crate::common::shadow_maps::{MapViews, ShadowMaps};
@@ -55,7 +56,7 @@ impl ShadowTechnique for ShadowMap {
         if light.view.receiver_bounds.is_empty() {
             return Ok(Contribution::default());
         }
-        let casters = casters_of(light, out, |instance| self.drawn(instance));
+        let casters = casters_of(light, out, |instance| self.drawn(light, instance));
         let size = MapSize { texels: self.resolution, margin: 0.5 * f64::from(self.pcf) + 1.5 };
         let views = MapViews::new(light, &casters, size, self.cascades);
         if views.is_empty() {
@@ -92,15 +93,20 @@ impl ShadowMap {
     }
 
     /// Which triangles of an instance are drawn.
-    fn drawn(&self, instance: &Instance) -> Drawn {
+    fn drawn(&self, light: &LightContext<'_>, instance: &Instance) -> Drawn {
         match self.faces {
             Faces::Front => Drawn::Front,
             Faces::Back => Drawn::Back,
             Faces::Both => Drawn::Both,
+            Faces::Auto if self.biases().is_none() => Drawn::Both,
             Faces::Auto => {
                 let topology = instance.mesh.topology();
                 let is_solid = topology.orientation(&instance.world_from_local).is_some();
-                if self.biases().is_some() && is_solid { Drawn::Back } else { Drawn::Both }
+                let position = light.light().position;
+                let in_local = instance.world_from_local.inverse().transform_point3(position.truncate());
+                let seen_from_within = shows_its_inside(instance, topology)
+                    || (position.w > 0.0 && topology.may_enclose(in_local));
+                if is_solid && !seen_from_within { Drawn::Back } else { Drawn::Both }
             }
         }
     }

@@ -127,21 +127,39 @@ impl LightView {
     }
 }
 
-/// The part of a window that corners before a perspective view span; all of it where some are beside or behind the light, and
-/// none where all are.
-fn seen_window(corners: &[DVec3; 8], low: DVec2, high: DVec2) -> Option<[DVec2; 2]> {
+/// The part of a window that a box before a perspective view spans, given by its corners along the view's axes, and how near it
+/// comes; `None` where it is beside or behind the light.
+fn seen_window(corners: &[DVec3; 8], low: DVec2, high: DVec2) -> Option<([DVec2; 2], f64)> {
     let before = |corner: &&DVec3| corner.z < 0.0;
     let count = corners.iter().filter(before).count();
     if count == 0 {
         return None;
     }
-    if count < corners.len() {
-        return Some([low, high]);
+    let spanned = |corners: &[DVec3]| {
+        let seen = corners.iter().map(|corner| corner.truncate() / -corner.z);
+        let least = seen.clone().fold(DVec2::INFINITY, DVec2::min).max(low);
+        let most = seen.fold(DVec2::NEG_INFINITY, DVec2::max).min(high);
+        let nearest_m = corners.iter().map(|corner| -corner.z).fold(f64::INFINITY, f64::min);
+        least.cmple(most).all().then_some(([least, most], nearest_m))
+    };
+    if count == corners.len() {
+        return spanned(corners);
     }
-    let seen = corners.map(|corner| corner.truncate() / -corner.z);
-    let least = seen.iter().copied().fold(DVec2::INFINITY, DVec2::min).max(low);
-    let most = seen.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max).min(high);
-    least.cmple(most).all().then_some([least, most])
+    // Cut off what is beside the window, and behind the light.
+    let size_m = corners.iter().map(|corner| corner.length()).fold(0.0, f64::max);
+    let beside = [
+        DVec3::new(1.0, 0.0, low.x),
+        DVec3::new(-1.0, 0.0, -high.x),
+        DVec3::new(0.0, 1.0, low.y),
+        DVec3::new(0.0, -1.0, -high.y),
+    ];
+    let beside = beside.map(|normal| Plane { normal: normal.normalize(), offset: 0.0 });
+    let behind = Plane { normal: DVec3::NEG_Z, offset: NEAREST * size_m };
+    let mut faces = faces_of(corners);
+    for plane in beside.iter().chain([&behind]) {
+        faces = cut(&faces, plane);
+    }
+    spanned(&faces.concat())
 }
 
 /// Where a window along one axis begins and how long it is, around `low` … `high` with the margin on both sides.
@@ -267,9 +285,9 @@ fn perspective_view(
         if from_m > farthest_m {
             continue;
         }
-        let Some([from, to]) = seen_window(&corners, low, high) else { continue };
+        let Some(([from, to], seen_m)) = seen_window(&corners, low, high) else { continue };
         (least, most) = (least.min(from), most.max(to));
-        nearest_m = nearest_m.min(from_m);
+        nearest_m = nearest_m.min(seen_m);
         end_m = corners.iter().map(|p| p.length()).fold(end_m, f64::max);
     }
     if end_m == 0.0 {
@@ -296,7 +314,7 @@ pub fn seen_corners(view: &View, bounds: &Aabb, [from_m, to_m]: [f64; 2]) -> Vec
         planes.push(Plane { normal: -forward, offset: -forward.dot(eye) - to_m });
     }
     let margin = 1e-9 * (bounds.radius() + bounds.center().length());
-    let mut faces = box_faces(bounds);
+    let mut faces = faces_of(&bounds.corners());
     for plane in planes {
         faces = cut(&faces, &Plane { offset: plane.offset - margin, ..plane });
     }
@@ -313,8 +331,8 @@ pub fn seen_range(view: &View, bounds: &Aabb) -> Option<[f64; 2]> {
     (nearest <= farthest).then_some([nearest, farthest])
 }
 
-fn box_faces(bounds: &Aabb) -> Vec<Vec<DVec3>> {
-    let corners = bounds.corners();
+/// The faces of a box with these corners.
+fn faces_of(corners: &[DVec3; 8]) -> Vec<Vec<DVec3>> {
     let faces = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
     faces.map(|face| face.map(|corner| corners[corner]).to_vec()).to_vec()
 }

@@ -10,7 +10,7 @@ use crate::common::shadow_maps::Biases;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum Faces {
-    /// Of a closed caster with set biases those that are turned away from the light, else all.
+    /// All; beside biases that are set, of a solid with light and eye outside those that are turned away from the light.
     #[default]
     Auto,
     /// Those whose front is towards the light.
@@ -104,8 +104,8 @@ const SETTINGS: &[Setting] = &[
     },
     Setting {
         name: "cascades 3",
-        why: "three maps for a directional light, the nearer the finer",
-        params: || ShadowMap { cascades: 3, ..ShadowMap::default() }.to_params(),
+        why: "three smaller maps for a directional light, the nearer the finer",
+        params: || ShadowMap { cascades: 3, resolution: 1024, ..ShadowMap::default() }.to_params(),
     },
     Setting {
         name: "biased",
