@@ -57,8 +57,8 @@ pub mod prelude {
     };
     pub use shadowgraph_nodes::{
         self, Accumulate, Apply, Closure, CounterKind, DepthTest, Extrusion, Faces, GeometryMode, Passes,
-        PlanarMode, Quality, SelfShadow, ShadowMap, ShadowVolumeHard, ShadowVolumeSoft, SoftShadow,
-        Terminator, TransparentShadow,
+        PlanarMode, PointFormat, Quality, SelfShadow, ShadowMap, ShadowVolumeHard, ShadowVolumeSoft,
+        SilhouetteMap, SoftShadow, Terminator, TransparentShadow,
     };
 
     pub use crate::{Picture, Pictures};

@@ -6,6 +6,7 @@ pub mod common;
 mod shadow_map;
 mod shadow_volume_hard;
 mod shadow_volume_soft;
+mod silhouette_map;
 mod soft_shadow;
 mod transparent_shadow;
 
@@ -17,6 +18,7 @@ pub use shadow_volume_hard::{
 };
 pub use shadow_volume_soft::{Apply, Quality, ShadowVolumeSoft, layouts as soft_layouts, wedge_layouts};
 
+pub use silhouette_map::{PointFormat, Show, SilhouetteEdge, SilhouetteMap, silhouette_layout};
 pub use soft_shadow::{
     Flat, MAX_RESOLUTION, MAX_SAMPLES, MaskedCorner, NotPlanar, PlanarLight, PlanarMode, PlanarTexture,
     SoftShadow, planar_layouts,
@@ -31,5 +33,6 @@ pub fn catalog() -> Catalog {
     catalog.register(SoftShadow::ENTRY);
     catalog.register(TransparentShadow::ENTRY);
     catalog.register(ShadowMap::ENTRY);
+    catalog.register(SilhouetteMap::ENTRY);
     catalog
 }

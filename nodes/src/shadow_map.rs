@@ -33,6 +33,7 @@ use crate::common::culling::shows_its_inside;
 use crate::common::light_views::MapSize;
 use crate::common::map_casters::{CasterBuffers, Drawn, casters_of};
 use crate::common::shadow_maps::{MapViews, ShadowMaps};
+pub(crate) use options::biases;
 pub use options::{Faces, MAX_BIAS, MAX_MAP_RESOLUTION, MIN_MAP_RESOLUTION, ShadowMap};
 
 impl ShadowTechnique for ShadowMap {

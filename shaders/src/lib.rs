@@ -62,6 +62,8 @@ modules![
     "shadow_map_casters",
     "shadow_volume_hard",
     "shadow_volume_soft",
+    "silhouette_map",
+    "silhouette_points",
     "soft_shadow",
     "surface_before",
     "surface_depth",

@@ -24,6 +24,8 @@ const TRANSPARENT: &str = "TransparentShadow";
 const PLANAR: &str = "SoftShadow";
 /// Hard shadows looked up in maps.
 const MAP: &str = "ShadowMap";
+/// The same with silhouettes.
+const SILHOUETTE: &str = "SilhouetteMap";
 
 /// A scene while it is drawn.
 struct Draft<'a> {

@@ -291,6 +291,10 @@ pub fn owed(technique: &Arc<dyn ShadowTechnique>, light: &LightSnapshot) -> Owed
         let whole = !is("faces", "front") && !is("faces", "back") && !params.contains_key("constantBias");
         return if whole { Owed::Close { rmse: 0.2, wrong_share: 0.02 } } else { Owed::Drawn };
     }
+    if params.contains_key("pointFormat") {
+        let whole = !is("show", "points") && !params.contains_key("constantBias");
+        return if whole { Owed::Close { rmse: 0.2, wrong_share: 0.02 } } else { Owed::Drawn };
+    }
     // Points in a ball: the row of casters within the light's sphere.
     if technique.traits().shades_receivers_only {
         return Owed::Close { rmse: 0.13, wrong_share: 0.02 };

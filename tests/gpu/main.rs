@@ -35,6 +35,7 @@ mod sabotage_glass;
 mod search;
 mod shading;
 mod shared_light;
+mod silhouettes;
 mod soft_areas;
 mod soft_inputs;
 mod soft_motion;

@@ -116,6 +116,7 @@ pub(crate) const fn casters_within(rmse: f64) -> Tolerance {
 }
 
 pub(crate) const MAP: &str = "ShadowMap";
+pub(crate) const SILHOUETTE: &str = "SilhouetteMap";
 
 /// Texels of what a light sees: edges are off by up to one, drawn out where light grazes, and blurred over as many as are
 /// averaged. Measured over all cases, with a third more; no leak or false shadow is farther than two texels from an edge, which
@@ -127,6 +128,11 @@ pub(crate) const fn map_texels(leak_share: f64, false_share: f64, rmse: f64) -> 
 
 const fn map(setting: &'static str, owes: Tolerance, except: &'static [Group]) -> Row {
     Row { technique: MAP, setting, owes, except, accepts_at_least: 240 }
+}
+
+/// The same where points of silhouettes are known: most cases have not one wrong pixel, waves and a thousand boxes some.
+const fn silhouettes(setting: &'static str, owes: Tolerance, except: &'static [Group]) -> Row {
+    Row { technique: SILHOUETTE, setting, owes, except, accepts_at_least: 240 }
 }
 
 /// Kilometres in one map, lamps and suns that graze, so that one texel is many pixels long.
@@ -142,8 +148,8 @@ const LONG_TEXELS: Group = &[
 /// The same with a quarter of the texels along a side.
 const LONGER_TEXELS: Group = &[
     ("wide-band", map_texels(0.13, 0.001, 0.41)),
-    ("strip-500m", map_texels(0.13, 0.001, 0.3)),
-    ("strip-5km", map_texels(0.22, 0.001, 0.41)),
+    ("strip-500m", map_texels(0.13, 0.001, 0.41)),
+    ("strip-5km", map_texels(0.22, 0.015, 0.5)),
     ("grazing-sun", map_texels(0.002, 0.001, 0.15)),
     ("grazing-lamp", map_texels(0.035, 0.001, 0.22)),
 ];
@@ -243,7 +249,7 @@ const CASTERS_WITHIN: Group = &[
 
 /// Techniques whose settings other than the default are tried on one case in [`THINNED_TO_ONE_IN`], so that all of it ends
 /// in time, ...
-pub(crate) const THINNED: &[&str] = &[SOFT, PLANAR, TRANSPARENT, MAP];
+pub(crate) const THINNED: &[&str] = &[SOFT, PLANAR, TRANSPARENT, MAP, SILHOUETTE];
 pub(crate) const THINNED_TO_ONE_IN: usize = 6;
 /// ... and on none of these, which are large: a thousand instances, 4 096 layers, 64 lights. They are about a number, which
 /// every technique meets by its default; other settings of theirs take a fifth of all time.
@@ -436,6 +442,13 @@ pub(crate) const ROWS: &[Row] = &[
                 ("grazing-lamp", map_texels(0.035, 0.001, 0.22)),
             ],
         ],
+    ),
+    silhouettes("default", map_texels(0.0013, 0.001, 0.05), &[NOT_MULTISAMPLED, LONG_TEXELS, LAMPS_ON_FACES]),
+    silhouettes("256", map_texels(0.0075, 0.0045, 0.12), &[NOT_MULTISAMPLED, LONGER_TEXELS, LAMPS_ON_FACES]),
+    silhouettes(
+        "one byte",
+        map_texels(0.0017, 0.001, 0.055),
+        &[NOT_MULTISAMPLED, LONG_TEXELS, LAMPS_ON_FACES],
     ),
     // Its factors are computed for each fragment: four samples a pixel are refused.
     Row { except: &[&[("msaa", Tolerance::ExactWhereAccepted)]], ..exact("Reference", "default") },

@@ -139,11 +139,18 @@ fn shadow_maps() {
     assert_same_with("shadow_map_casters", &["MASKED"], structure, rust);
 }
 
+#[test]
+fn silhouettes() {
+    let (structure, rust) = shadowgraph_nodes::silhouette_layout();
+    assert_same("silhouette_points", structure, rust);
+}
+
 /// A structure that a shader binds and no test compares would drift unseen.
 #[test]
 fn every_structure_bound_as_data_is_compared() {
     let compared = [
         "Class",
+        "Edge",
         "Frame",
         "Instance",
         "Light",

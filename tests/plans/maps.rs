@@ -126,3 +126,27 @@ fn options_survive_a_file_and_what_is_wrong_is_named() {
     assert!(refused("constantBias", -1.0).contains("a number from 0 to 1000"));
     assert!(refused("slopeBias", f64::NAN).contains("slopeBias"));
 }
+
+/// Depth first, then the points beside it, kept together; one draw for all outlines.
+#[test]
+fn silhouettes_are_drawn_after_the_depth_they_are_hidden_by() {
+    let plan = plan(&shadowed(&yard(), SilhouetteMap::default()), &request());
+    assert_eq!(
+        names(&plan),
+        ["depth prepass", "receiver planes", "map of lamp", "silhouettes of lamp", "look up lamp", "shading"],
+        "{plan}"
+    );
+    let pass = &plan.passes[3];
+    let points = plan.slot(pass.colors[0].slot);
+    let wanted =
+        SlotKind::Texture { format: TextureFormat::Rg8Unorm, size_px: [1024; 2], layers: 1, samples: 1 };
+    assert_eq!(points.kind, wanted);
+    assert!(points.kept.is_some() && points.kept == plan.slot(pass.depth.unwrap().slot).kept);
+    // The lamp is right above: of the crate it sees the top, whose four edges end it.
+    assert_eq!(pass.draws.len(), 1, "{plan}");
+    assert_eq!(pass.draws[0].name, "4 edges", "{plan}");
+    let node = SilhouetteMap { point_format: PointFormat::OneByte, ..SilhouetteMap::default() };
+    let plan = shadowgraph_testing::plan(&shadowed(&yard(), node), &request());
+    let points = plan.slots.iter().find(|slot| slot.name == "silhouette points of lamp").unwrap();
+    assert!(matches!(points.kind, SlotKind::Texture { format: TextureFormat::R8Unorm, .. }), "{plan}");
+}

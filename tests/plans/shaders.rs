@@ -32,6 +32,12 @@ const USED: &[(&str, &[&str], &[&str])] = &[
         &["vertex", "fullscreen_vertex", "count", "count_front", "count_back", "darken_counted"],
     ),
     (
+        "silhouette_map",
+        &["BIASED", "BYTE", "PERSPECTIVE", "POINT"],
+        &["fullscreen_vertex", "darken", "show_points"],
+    ),
+    ("silhouette_points", &["BYTE"], &["vertex", "store"]),
+    (
         "soft_shadow",
         &["BASE_COLOR_TEXTURE", "MASKED", "OVERLAPS", "RECEIVER", "SECOND_UV"],
         &[

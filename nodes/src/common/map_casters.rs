@@ -165,7 +165,8 @@ struct Part<'a> {
 
 /// The casters of one light as buffers.
 pub struct CasterBuffers<'a> {
-    casters: Vec<MapCaster<'a>>,
+    /// The casters, as they were given.
+    pub casters: Vec<MapCaster<'a>>,
     parts: Vec<Part<'a>>,
     indices: Resource,
     corners: Option<Resource>,

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
-use super::{Draft, HARD, MAP, SOFT, TRANSPARENT};
+use super::{Draft, HARD, MAP, SILHOUETTE, SOFT, TRANSPARENT};
 use crate::search::bodies::{self, Corners};
 use crate::search::lamps::{self, Kinds};
 use crate::search::options::Sizes;
@@ -29,7 +29,7 @@ impl Draft<'_> {
             self.placed(body);
         }
         self.open_lamps(1, 3);
-        self.one_of(&[MAP], Sizes::None);
+        self.one_of(&[MAP, SILHOUETTE], Sizes::None);
     }
 
     pub(super) fn soup(&mut self) {
