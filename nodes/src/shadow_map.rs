@@ -25,8 +25,8 @@ mod options;
 use shadowgraph_engine::plan::{CompareFunction, DrawState, MULTIPLY, Shader, ShaderError};
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
-    Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, Options, Pass, PassList, ShadowError,
-    ShadowTechnique, Traits,
+    Channels, ColorTarget, Contribution, LightContext, Options, Pass, PassList, ShadowError, ShadowTechnique,
+    Traits,
 };
 
 use crate::common::culling::shows_its_inside;
@@ -71,14 +71,15 @@ impl ShadowTechnique for ShadowMap {
         flags.extend(self.biases().map(|_| "BIASED"));
         let shader = self.look_up(&flags)?;
         let state = DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]);
-        let draw = Draw::new("look up", Geometry::fullscreen(shader), state).reading(maps.bindings(out));
+        let bindings = maps.bindings(out);
+        let draws = maps.look_up(out, (&shader, &state), &bindings, views.has_cascades());
         let (name, pcf) = (&light.light().name, self.pcf);
         out.pass(Pass {
             name: format!("look up {name}"),
             reason: format!("{pcf} x {pcf} texels compared at every pixel"),
             colors: vec![ColorTarget::VISIBILITY],
             depth: None,
-            draws: vec![draw],
+            draws,
         });
         Ok(Contribution::visibility(Channels::One))
     }
@@ -90,7 +91,7 @@ impl ShadowMap {
         let taps = format!("const TAPS: i32 = {};\n", self.pcf);
         let source = shadowgraph_shaders::compose_replacing("shadow_map", flags, "common/map_taps", &taps)?;
         let name = format!("shadow_map of {} texels {}", self.pcf, flags.join(" "));
-        Ok(Shader::of(&name, source, "fullscreen_vertex", Some("darken")))
+        Ok(Shader::of(&name, source, "asking", Some("darken")))
     }
 
     /// Which triangles of an instance are drawn.

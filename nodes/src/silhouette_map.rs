@@ -88,17 +88,17 @@ impl ShadowTechnique for SilhouetteMap {
             Show::Shadows => ("darken", Channels::One),
             Show::Points => ("show_points", Channels::Rgb),
         };
-        let shader = Shader::composed("silhouette_map", &flags, "fullscreen_vertex", Some(fragment))?;
+        let shader = Shader::composed("silhouette_map", &flags, "asking", Some(fragment))?;
         let state = DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]);
         let mut bindings = maps.bindings(out);
         bindings.push((POINTS, Binding::TextureArray(points)));
-        let draw = Draw::new("look up", Geometry::fullscreen(shader), state).reading(bindings);
+        let draws = maps.look_up(out, (&shader, &state), &bindings, false);
         out.pass(Pass {
             name: format!("look up {}", light.light().name),
             reason: "four corners compared at every pixel, and where they differ five points".into(),
             colors: vec![ColorTarget::VISIBILITY],
             depth: None,
-            draws: vec![draw],
+            draws,
         });
         Ok(Contribution::visibility(channels))
     }

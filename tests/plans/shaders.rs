@@ -24,18 +24,14 @@ const USED: &[(&str, &[&str], &[&str])] = &[
     ("per_receiver", &["CASTERS", "CLUSTERS", "ONE_CASTER"], &["soft_vertex", "mark", "per_receiver"]),
     ("resolve_mask", &[], &["fullscreen_vertex", "mark", "darken"]),
     ("sample_images", &["COUNTS"], &["fullscreen_vertex", "triangle", "factor"]),
-    ("shadow_map", &["BIASED", "CASCADES", "PERSPECTIVE", "POINT"], &["fullscreen_vertex", "darken"]),
+    ("shadow_map", &["BIASED", "CASCADES", "PERSPECTIVE", "POINT"], &["asking", "darken"]),
     ("shadow_map_casters", &["BASE_COLOR_TEXTURE", "MASKED", "PERSPECTIVE"], &["vertex", "slope", "holes"]),
     (
         "shadow_volume_hard",
         &[],
         &["vertex", "fullscreen_vertex", "count", "count_front", "count_back", "darken_counted"],
     ),
-    (
-        "silhouette_map",
-        &["BIASED", "BYTE", "PERSPECTIVE", "POINT"],
-        &["fullscreen_vertex", "darken", "show_points"],
-    ),
+    ("silhouette_map", &["BIASED", "BYTE", "PERSPECTIVE", "POINT"], &["asking", "darken", "show_points"]),
     ("silhouette_points", &["BYTE"], &["vertex", "store"]),
     (
         "soft_shadow",

@@ -5,17 +5,21 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use glam::{DAffine3, DVec4};
 use shadowgraph_engine::math::Aabb;
-use shadowgraph_engine::plan::{Access, BufferDesc, Lifetime, Load, Resource, TextureDesc, TextureFormat};
+use shadowgraph_engine::plan::{
+    Access, BufferDesc, DrawState, Lifetime, Load, Resource, Shader, TextureDesc, TextureFormat,
+};
 use shadowgraph_engine::shadow::{
-    Binding, ColorTarget, DepthTarget, LightContext, Pass, PassList, ShadowError, hash_of,
+    Binding, ColorTarget, DepthTarget, Draw, Geometry, LightContext, Pass, PassList, ShadowError, hash_of,
 };
 
+use super::extrusion::end_in_view;
 use super::light_views::{
     Depth, LightView, MapSize, axes_towards, directional_view, point_views, seen_corners, seen_range,
     spot_opening, spot_views,
 };
 use super::map_casters::{CasterBuffers, MATRICES, MapCaster, bounds_along};
 use super::ray_candidates::Layout;
+use super::screen_bounds::{united, volume_pixels};
 use crate::layout;
 
 /// `struct MapView` of common/shadow_maps.wgsl.
@@ -170,10 +174,15 @@ impl MapViews {
             |view: &MapView| view.view.is_some_and(|v| matches!(v.depth, Depth::Perspective { .. }));
         let wanted = [
             ("POINT", self.around),
-            ("CASCADES", !self.around && self.views.len() > 1),
+            ("CASCADES", self.has_cascades()),
             ("PERSPECTIVE", self.views.iter().any(perspective)),
         ];
         wanted.into_iter().filter(|(_, wanted)| *wanted).map(|(flag, _)| flag).collect()
+    }
+
+    /// Whether there is one behind the other, as the eye sees.
+    pub fn has_cascades(&self) -> bool {
+        !self.around && self.views.len() > 1
     }
 
     /// Whether something is seen in any of them.
@@ -207,6 +216,10 @@ pub struct ShadowMaps {
     pub key: u64,
     /// The views that have layers, in their order.
     pub layers: Vec<LightView>,
+    /// Where each of them is among the records.
+    numbers: Vec<u32>,
+    /// The pixels of the picture on which their casters' shadows may fall.
+    pixels: Vec<[u32; 4]>,
 }
 
 impl ShadowMaps {
@@ -225,7 +238,7 @@ impl ShadowMaps {
         let texels = views.size.texels;
         let with_slopes = biases.is_none();
         let (mut matrices, mut drawn, mut layers) = (Vec::new(), Vec::new(), Vec::new());
-        let mut records = Vec::new();
+        let (mut records, mut numbers, mut pixels) = (Vec::new(), Vec::new(), Vec::new());
         for view in &views.views {
             let mut record = MapViewRecord { layer: NO_LAYER, texels_per_m: 1.0, ..Default::default() };
             (record.end_m, record.blend_m) =
@@ -237,6 +250,8 @@ impl ShadowMaps {
                     record.layer = layers.len() as u32;
                     layers.push(seen);
                     drawn.push(draws);
+                    numbers.push(records.len() as u32);
+                    pixels.push(shadowed_pixels(light, casters, &seen, views.size));
                 }
             }
             records.push(record);
@@ -296,7 +311,33 @@ impl ShadowMaps {
             }
         }
         let records = upload(light, out, texels, biases.unwrap_or_default(), &records);
-        Ok(Some(Self { depths, slopes, records, key, layers }))
+        Ok(Some(Self { depths, slopes, records, key, layers, numbers, pixels }))
+    }
+
+    /// Draws over the picture by a shader whose vertices are `asking` of common/shadow_maps, and which reads `bindings`: one for each
+    /// view, where its shadows may fall; for cascades one for all.
+    pub fn look_up(
+        &self,
+        out: &mut PassList<'_>,
+        (shader, state): (&Shader, &DrawState),
+        bindings: &[(u32, Binding)],
+        cascades: bool,
+    ) -> Vec<Draw> {
+        let corners: Vec<u8> = [0_u32, 1, 2].iter().flat_map(|index| index.to_ne_bytes()).collect();
+        let key = hash_of(("corners", &corners));
+        let reason = "three corners around the picture";
+        let indices = out.buffer(BufferDesc::index("corners", key, Arc::new(corners), reason));
+        let draw = |record: u32, pixels: Option<[u32; 4]>| {
+            let shader = shader.clone();
+            let geometry = Geometry::IndexedProcedural { shader, indices, first: 0, count: 3, record };
+            let draw = Draw::new("look up", geometry, state.clone()).reading(bindings.to_vec());
+            Draw { scissor_px: pixels, ..draw }
+        };
+        if cascades {
+            let pixels = self.pixels.iter().fold(None, |all, pixels| united(all, Some(*pixels)));
+            return vec![draw(0, pixels)];
+        }
+        self.numbers.iter().zip(&self.pixels).map(|(number, pixels)| draw(*number, Some(*pixels))).collect()
     }
 
     /// What common/shadow_maps reads, with the receivers.
@@ -307,6 +348,26 @@ impl ShadowMaps {
         bindings.push((4, Binding::Texture(out.receiver_planes())));
         bindings
     }
+}
+
+/// The pixels on which shadows of what a view shows may fall, with those that are averaged beside them.
+fn shadowed_pixels(
+    light: &LightContext<'_>,
+    casters: &CasterBuffers<'_>,
+    view: &LightView,
+    size: MapSize,
+) -> [u32; 4] {
+    let position = light.light().position;
+    let [low, high] = view.window;
+    let share = (high - low).max_element() * size.margin / f64::from(size.texels);
+    let seen = casters.casters.iter().map(|caster| caster.instance.world_bounds);
+    let pixels = seen.filter(|bounds| view.may_show(bounds)).fold(None, |all, bounds| {
+        let farthest_m = bounds.radius() + (bounds.center() - position.truncate()).length();
+        let grown = bounds.expanded(share * if position.w > 0.0 { farthest_m } else { 1.0 });
+        let end = end_in_view(light.view, position, &grown);
+        united(all, volume_pixels(light.view, position, &grown, end))
+    });
+    pixels.unwrap_or([0; 4])
 }
 
 /// What a layer shows, for the plan's text.
