@@ -6,7 +6,7 @@
 
 use std::borrow::Cow;
 
-use super::layers::Layered;
+use super::layered::Layered;
 use super::lights::{NodePasses, ReceiverPasses};
 use super::request::FrameError;
 use super::resolve;
