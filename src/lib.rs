@@ -63,3 +63,17 @@ pub mod prelude {
 
     pub use crate::{Picture, Pictures};
 }
+
+/// What a technique of one's own is written with; see "Writing a technique" in ARCHITECTURE.md. Its options derive serde's
+/// `Serialize` and `Deserialize` and schemars' `JsonSchema`.
+pub mod technique {
+    pub use shadowgraph_engine::plan::{
+        BufferDesc, CompareFunction, DrawState, MULTIPLY, Shader, TextureDesc,
+    };
+    pub use shadowgraph_engine::scene::{Instance, Params};
+    pub use shadowgraph_engine::shadow::{
+        Apply, Binding, Channels, ColorTarget, Contribution, DepthTarget, Draw, Features, Geometry,
+        LightContext, Options, Pass, PassList, Setting, ShadowError, ShadowTechnique, TechniqueEntry, Traits,
+        hash_of,
+    };
+}

@@ -18,12 +18,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use shadowgraph::engine::plan::{BufferDesc, CompareFunction, DrawState, MULTIPLY, Shader};
-use shadowgraph::engine::scene::{Instance, Params};
-use shadowgraph::engine::shadow::{
-    Binding, Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, Options, Pass, PassList,
-    Setting, ShadowError, ShadowTechnique, TechniqueEntry, Traits, hash_of,
-};
+use shadowgraph::technique::*;
 
 use super::disc::{Disc, NoDisc};
 

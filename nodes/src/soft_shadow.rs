@@ -88,17 +88,19 @@ impl ShadowTechnique for SoftShadow {
         self.refuse_lamps_beside_casters(light)?;
         let receivers = Receiver::all(light, out)?;
         let lit: Vec<Lit> = receivers.iter().map(|receiver| Lit::new(self, light, receiver)).collect();
-        // Turned to the light or away from it as a whole, a receiver's own shadow is the engine's to know.
-        let cut = lit.iter().any(|lit| lit.is_cut());
+        // Turned to the light or away from it as a whole, a receiver's own shadow is the engine's to know, unless another
+        // node's disc reaches over its horizon.
+        let is_wide = self.light_size().is_wide(light.light().position);
+        let horizons = lit.iter().any(|lit| lit.is_cut()) || (is_wide && light.is_beside_size());
         let (mut in_picture, mut shades) = (BTreeMap::new(), false);
         for (receiver, lit) in receivers.iter().zip(&lit) {
-            if cut || !lit.is_dark() {
+            if horizons || !lit.is_dark() {
                 shades |= self.shade(light, out, (receiver, lit), &mut in_picture)?;
             }
         }
         Ok(Contribution {
             visibility: shades.then_some(Channels::One),
-            own_shadow: cut,
+            own_shadow: horizons,
             apply: Apply::Light { weight: self.weight, color: self.color },
             ..Contribution::default()
         })

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use crate::known::KNOWN_ON_CASES;
 use crate::tolerances::ROWS;
-use crate::trials::{Trial, dump, is_thinned, print_times, try_all, with_two_renderers};
+use crate::trials::{Trial, dump, is_thinned, print_times, try_all, with_several_renderers};
 use shadowgraph::cases::{self, Case, sweeps};
 use shadowgraph::measure::ReferenceShadow;
 use shadowgraph::prelude::*;
@@ -26,7 +26,7 @@ fn every_technique_does_on_every_case_what_it_declares() {
     assert!(!cases.is_empty(), "no case is called '{filter}'");
     let mut failures = Vec::new();
     let mut accepted: BTreeMap<(&str, &str), usize> = BTreeMap::new();
-    let judged = with_two_renderers(renderer, &cases, |renderer, case| {
+    let judged = with_several_renderers(renderer, &cases, |renderer, case| {
         let trials = try_all(renderer, case, ROWS);
         let outcome = |trial: &Trial| {
             dump(trial);

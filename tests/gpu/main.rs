@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "rows of measurements are what a reader of the log is after")]
 
+#[path = "../../examples/ball_shadow/mod.rs"]
+mod ball_shadow;
 #[path = "../../examples/own_surface/mod.rs"]
 mod own_surface;
 #[path = "../../examples/own_technique/mod.rs"]
@@ -10,6 +12,7 @@ mod own_technique;
 
 mod animation;
 mod antialias;
+mod ball_technique;
 mod broken;
 mod confined;
 mod conformance;

@@ -5,7 +5,7 @@
 
 use crate::known::{KNOWN, Known};
 use crate::tolerances::ROWS;
-use crate::trials::{Trial, dump, print_times, try_all, with_two_renderers};
+use crate::trials::{Trial, dump, print_times, try_all, with_several_renderers};
 use shadowgraph::cases::Case;
 use shadowgraph::cases::sweeps::{self, Sweep};
 use shadowgraph::engine::shadow::Catalog;
@@ -46,7 +46,7 @@ fn every_sweep_is_right_at_every_step() {
     let mut seen = vec![0; KNOWN.len()];
     let steps: Vec<Case> =
         sweeps.iter().flat_map(|sweep| sweep.steps(&shadowgraph::CAST)).map(|(_, case)| case).collect();
-    let judged = with_two_renderers(shadowgraph_testing::renderer, &steps, |renderer, case| {
+    let judged = with_several_renderers(shadowgraph_testing::renderer, &steps, |renderer, case| {
         let outcome = |trial: Trial| {
             dump(&trial);
             let issue = known(&trial);

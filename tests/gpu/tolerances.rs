@@ -201,8 +201,13 @@ const CASTERS_WITHIN: Group = &[
     ("light-radius/3-m", casters_within(0.13)),
 ];
 
-/// Techniques whose settings other than the default are tried on every third case, so that all of it ends in time.
+/// Techniques whose settings other than the default are tried on one case in [`THINNED_TO_ONE_IN`], so that all of it ends
+/// in time, ...
 pub(crate) const THINNED: &[&str] = &[SOFT, PLANAR, TRANSPARENT];
+pub(crate) const THINNED_TO_ONE_IN: usize = 6;
+/// ... and on none of these, which are large: a thousand instances, 4 096 layers, 64 lights. They are about a number, which
+/// every technique meets by its default; other settings of theirs take a fifth of all time.
+pub(crate) const LARGE_CASES: &[&str] = &["instanced-1000", "overlap-4096", "lights-64", "index-65536"];
 
 /// The built-in techniques.
 pub(crate) const ROWS: &[Row] = &[

@@ -13,7 +13,7 @@ use shadowgraph::measure::{
 };
 use shadowgraph::prelude::*;
 
-use super::tolerances::{Row, THINNED, Tolerance};
+use super::tolerances::{LARGE_CASES, Row, THINNED, THINNED_TO_ONE_IN, Tolerance};
 
 /// One technique and setting on one case.
 pub(crate) struct Trial {
@@ -57,7 +57,8 @@ pub(crate) fn try_all(renderer: &mut Renderer, case: &Case, rows: &[Row]) -> Vec
     let mut trials = Vec::new();
     let turn: usize = case.name().bytes().map(usize::from).sum();
     for (place, (entry, setting)) in settings.enumerate() {
-        if is_thinned(entry.type_name, setting.name) && !(turn + place).is_multiple_of(3) {
+        let is_its_turn = (turn + place).is_multiple_of(THINNED_TO_ONE_IN) && !LARGE_CASES.contains(&case.id);
+        if is_thinned(entry.type_name, setting.name) && !is_its_turn {
             continue;
         }
         let start = Instant::now();
@@ -67,8 +68,8 @@ pub(crate) fn try_all(renderer: &mut Renderer, case: &Case, rows: &[Row]) -> Vec
     trials
 }
 
-/// Whether a setting is tried on every third case, each case with another third of such settings: what is dear beside its
-/// default, which is tried on all. `CASE=` and `EVERY_CASE=1` try everything.
+/// Whether a setting is tried on one case in [`THINNED_TO_ONE_IN`], each case with others of such settings: what is dear
+/// beside its default, which is tried on all. `CASE=` and `EVERY_CASE=1` try everything.
 pub(crate) fn is_thinned(technique: &str, setting: &str) -> bool {
     let all = std::env::var_os("CASE").is_some() || std::env::var_os("EVERY_CASE").is_some();
     !all && setting != "default" && THINNED.contains(&technique)
@@ -257,14 +258,18 @@ pub(crate) fn print_times<'a>(
     }
 }
 
-/// Asks `judge` about every item, two at a time, each with a renderer of its own: the answers in the order of the items.
-/// Most of a trial runs on one core, drawing and judging in turn. `None` where there is no adapter.
-pub(crate) fn with_two_renderers<T: Sync, R: Send>(
+/// How many renderers work at once: one more than the two cores that the whole suite is measured on.
+const AT_ONCE: usize = 3;
+
+/// Asks `judge` about every item, several at a time, each with a renderer of its own: the answers in the order of the items.
+/// Drawing and judging take turns, and a thread that waits for the driver leaves its core to others: so there are more
+/// renderers than cores. `None` where there is no adapter.
+pub(crate) fn with_several_renderers<T: Sync, R: Send>(
     renderer: impl Fn() -> Option<Renderer>,
     items: &[T],
     judge: impl Fn(&mut Renderer, &T) -> R + Sync,
 ) -> Option<Vec<R>> {
-    let renderers = [renderer()?, renderer()?];
+    let renderers: Vec<Renderer> = (0..AT_ONCE).map(|_| renderer()).collect::<Option<_>>()?;
     let next = AtomicUsize::new(0);
     let answers = Mutex::new(Vec::with_capacity(items.len()));
     std::thread::scope(|scope| {

@@ -88,7 +88,7 @@ fn plan_light(
 ) -> Result<Vec<NodePasses>, FrameError> {
     let (light, claims) = (&inputs.snapshot.lights[index], &inputs.registry.lights[index]);
     let is_wide = |claim: &Claim| claim.light_size().is_wide(light.position);
-    let has_size = claims.iter().any(is_wide);
+    let wide = claims.iter().filter(|claim| is_wide(claim)).count();
     let mut nodes: Vec<NodePasses> = Vec::new();
     let mut counts_bound: u32 = 0;
     for claim in claims {
@@ -108,7 +108,8 @@ fn plan_light(
             light_index: index,
             claim,
             layer,
-            has_size,
+            has_size: wide > 0,
+            is_beside_size: wide > usize::from(is_wide(claim)),
             counts_before: CountsBefore { light: counts_bound, darkening },
         };
         let visibility_is_touched = nodes.iter().any(|node| node.contribution.visibility.is_some());

@@ -38,6 +38,7 @@ pub struct LightContext<'a> {
     pub(crate) claim: &'a Claim,
     pub(crate) layer: Option<Layer>,
     pub(crate) has_size: bool,
+    pub(crate) is_beside_size: bool,
     pub(crate) counts_before: CountsBefore,
 }
 
@@ -102,6 +103,13 @@ impl<'a> LightContext<'a> {
     /// darkened by what lies in its own plane.
     pub fn has_size(&self) -> bool {
         self.has_size
+    }
+
+    /// Whether another node that serves this light gives it a size. That node then has the horizon in its factor
+    /// ([`Contribution::own_shadow`](super::Contribution::own_shadow)), and the engine darkens no surface for being turned away:
+    /// a technique for lights with a size must darken those that see nothing of its own disc.
+    pub fn is_beside_size(&self) -> bool {
+        self.is_beside_size
     }
 
     /// An upper bound on what other nodes have counted in the stencil so far: for this light, or, where `apply` is

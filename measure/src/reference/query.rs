@@ -21,6 +21,8 @@ pub(crate) struct Query {
     is_hard: bool,
     pub(crate) casters: CasterSet,
     pub(crate) sized: Vec<SizedQuery>,
+    /// Whether some part, asked about here or not, gives the light a size.
+    has_size: bool,
     /// Where some transparent surface casts.
     pub(crate) transparent: Option<CasterSet>,
 }
@@ -52,6 +54,7 @@ impl Query {
         Self {
             light: asked.light,
             is_hard: sized.is_empty() || !casters.is_empty(),
+            has_size: !sized.is_empty() || asked.beside_size,
             casters: reference.caster_set(&casters),
             transparent: reference.transparent_set(&asked.transparent),
             sized: sized.into_iter().map(|part| SizedQuery::new(reference, part)).collect(),
@@ -142,7 +145,7 @@ impl Asker<'_> {
     /// not reach.
     pub(crate) fn factor(&mut self, surface: &Triangle, view: &View<'_>, place: [f64; 2], t: f64) -> Vec3 {
         let Self { query, tracer, .. } = self;
-        if !query.sized.is_empty() {
+        if query.has_size {
             return Vec3::from(self.judge(&Moved::on(surface, view, place, t), &mut []).factor);
         }
         let light = &tracer.reference.lights[query.light];
@@ -196,8 +199,7 @@ impl Query {
             return Judged { factor: 1.0, compared, ambiguous: false, bounds: [1.0; 2] };
         }
         // The horizon is decided once: for a light with a size, sample by sample.
-        let turned_away =
-            facing * moved.eye_side < 0 && self.sized.is_empty() && !moved.surface.lets_light_pass;
+        let turned_away = facing * moved.eye_side < 0 && !self.has_size && !moved.surface.lets_light_pass;
         let dark = if turned_away { reached } else { tracer.blocked(&self.probe(tracer, moved)) & reached };
         // Every move agrees when all are dark or none is. A surface turned away stays so wherever the point moves.
         let all = (1_u8 << MOVES) - 1;

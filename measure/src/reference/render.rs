@@ -57,6 +57,9 @@ pub struct LightQuery {
     pub casters: Vec<usize>,
     /// What casts for a light with a size.
     pub sized: Vec<SizedCasters>,
+    /// Whether something that is not asked about here gives the light a size: what turns away from the light's centre is
+    /// then not dark by itself.
+    pub beside_size: bool,
     /// Indices into `SceneSnapshot::instances`: their transparent surfaces cast too, as if the light had no size, and the factor
     /// is one of red, green and blue.
     pub transparent: Vec<usize>,

@@ -116,7 +116,16 @@ impl ShadowTechnique for ReferenceShadow {
             .collect();
         let seen_from = (format!("{:?}", view.camera), format!("{:?}", light.light()), view.size_px);
         let layer = light.layer();
-        let key = hash_of(("reference", poses, worn, &casters, seen_from, format!("{self:?}"), layer));
+        let key = hash_of((
+            "reference",
+            poses,
+            worn,
+            &casters,
+            seen_from,
+            format!("{self:?}"),
+            layer,
+            light.is_beside_size(),
+        ));
         let transparent =
             |index: &&usize| snapshot.instances[**index].materials.iter().any(|m| m.is_transparent());
         let transparent: Vec<usize> = casters.iter().filter(transparent).copied().collect();
@@ -126,6 +135,7 @@ impl ShadowTechnique for ReferenceShadow {
                 light: index,
                 transparent,
                 sized: vec![SizedCasters { casters, size, samples }],
+                beside_size: light.is_beside_size(),
                 ..LightQuery::default()
             };
             let (reference, camera, size_px) = (Reference::new(snapshot), &view.camera, view.size_px);

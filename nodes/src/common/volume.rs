@@ -231,6 +231,9 @@ pub struct VolumeIndices {
     pub far_caps: Range<u32>,
     /// Front caps of triangles the light sees from the front, in the mesh's own order of corners.
     pub front_caps: Range<u32>,
+    /// What lies between edges of those caps and the places where they are cut. Where front caps are not drawn, since the
+    /// surface itself stands in for them, its edges are whole as well.
+    pub slivers: Range<u32>,
     /// Front caps of triangles the light sees from behind, in the mesh's own order of corners: they count the other
     /// way round. (Turning the triangle instead could change its depth by a rounding, and caps must equal the
     /// visible surface bit by bit.)
@@ -298,8 +301,10 @@ impl VolumeIndices {
                 }
             }
         });
-        let FrontCaps { own, unseen } = FrontCaps::new(instance, shape, &chain, &mut cutter);
-        let [front_caps, front_caps_turned] = own.map(|caps| run(&mut |i| i.extend_from_slice(&caps)));
+        let FrontCaps { own, slivers, unseen } = FrontCaps::new(instance, shape, &chain, &mut cutter);
+        let [own, own_turned] = own;
+        let [front_caps, slivers, front_caps_turned] =
+            [own, slivers, own_turned].map(|caps| run(&mut |i| i.extend_from_slice(&caps)));
         let [unseen_caps, unseen_caps_turned] = unseen.map(|caps| run(&mut |i| i.extend_from_slice(&caps)));
         Self {
             silhouette_edges: chain.silhouette_edges,
@@ -307,6 +312,7 @@ impl VolumeIndices {
             sides,
             far_caps,
             front_caps,
+            slivers,
             front_caps_turned,
             unseen_caps,
             unseen_caps_turned,
@@ -354,6 +360,7 @@ fn far(vertex: u32) -> u32 {
 #[derive(Default)]
 struct FrontCaps {
     own: [Vec<u32>; 2],
+    slivers: Vec<u32>,
     unseen: [Vec<u32>; 2],
 }
 
@@ -388,7 +395,7 @@ impl FrontCaps {
                 }
             }
         }
-        caps.own[0].extend(own_slivers.left().map(cap));
+        caps.slivers.extend(own_slivers.left().map(cap));
         caps.unseen[0].extend(unseen_slivers.left().map(cap));
         caps
     }

@@ -258,7 +258,9 @@ pub fn runs(volume: &Volume<'_>, indices: &VolumeIndices) -> Vec<Run> {
     if volume.z_fail && !meets_at_infinity {
         wanted.push((&indices.far_caps, How::both(1)));
     }
-    let front_caps = [(&indices.front_caps, How::caps(1)), (&indices.front_caps_turned, How::caps(-1))];
+    let slivers = (&indices.slivers, How::caps(1));
+    let front_caps =
+        [(&indices.front_caps, How::caps(1)), slivers, (&indices.front_caps_turned, How::caps(-1))];
     if volume.half == Half::Unlit {
         // The far side of the caster itself is not to be in its shadow: there the view leaves the volume at the very
         // depth of what it sees. Where it enters through a cap, the cap is not seen, and depth needs no care.
@@ -271,6 +273,9 @@ pub fn runs(volume: &Volume<'_>, indices: &VolumeIndices) -> Vec<Run> {
         wanted.extend(front_caps.into_iter().flat_map(entered_and_left));
     } else if volume.z_fail || volume.hidden_caps_count {
         wanted.extend(front_caps);
+    } else {
+        // The surface stands in for its caps, with edges that are not cut.
+        wanted.push(slivers);
     }
     let unseen = [(&indices.unseen_caps, How::caps(1)), (&indices.unseen_caps_turned, How::caps(-1))];
     if volume.falls_on_itself {
