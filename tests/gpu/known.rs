@@ -56,22 +56,6 @@ pub(crate) const KNOWN_ON_CASES: &[Known] = &[
         why: "areas of a disc of a micrometre keep few digits, and on the edge of the light's own sphere no bound of areas holds",
     },
     Known {
-        technique: "Reference",
-        settings: &["default"],
-        cases: &["turned-from-centre"],
-        why: "beside a node for a light with a size it darkens what turns away from the light's centre, as if it were alone",
-    },
-    Known {
-        technique: PLANAR,
-        settings: &["64 samples", "256 samples"],
-        cases: &[
-            "turned-from-centre/from-behind",
-            "turned-from-centre/with-a-box-on-it",
-            "turned-from-centre/grid",
-        ],
-        why: "beside another node for a light with a size, both leave out what is beyond the horizon, where one should",
-    },
-    Known {
         technique: HARD,
         settings: &["cap"],
         cases: &["road-50km/turned-by-node"],
