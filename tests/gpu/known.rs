@@ -1,8 +1,8 @@
-//! What is known to be wrong, and why: listed so that whoever mends it sees it, and nothing else is excused.
+//! What is known to be wrong, and why: all of it, so that nothing else is excused.
 
 use super::tolerances::{HARD, PLANAR, SOFT};
 
-/// A case or step of a sweep that is known to be wrong, and why: runnable, so that whoever mends it sees it.
+/// A case or step of a sweep that is known to be wrong, and why. It still runs, so that mending it shows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Known {
     /// The technique's type name.

@@ -1,4 +1,4 @@
-//! What each pixel shows, for techniques that ask and for whoever measures: the visible triangle and its normal; of every
+//! What each pixel shows, for techniques that ask and for measures: the visible triangle and its normal; of every
 //! sample, where edges are smoothed by several samples a pixel.
 
 use super::lights::ReceiverPasses;

@@ -1,4 +1,4 @@
-//! What a frame takes on the GPU, reckoned before anything is allocated: no buffer or texture beyond the adapter's
+//! What a frame takes on the GPU, computed before anything is allocated: no buffer or texture beyond the adapter's
 //! limits, not more in all than the budget.
 
 use std::collections::{HashMap, HashSet};
