@@ -56,9 +56,9 @@ pub mod prelude {
         Property, Scene, Scope, ShadowNode, Skin, SurfaceFunction, Track, Transform,
     };
     pub use shadowgraph_nodes::{
-        self, Accumulate, Apply, Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes,
-        PlanarMode, Quality, SelfShadow, ShadowVolumeHard, ShadowVolumeSoft, SoftShadow, Terminator,
-        TransparentShadow,
+        self, Accumulate, Apply, Closure, CounterKind, DepthTest, Extrusion, Faces, GeometryMode, Passes,
+        PlanarMode, Quality, SelfShadow, ShadowMap, ShadowVolumeHard, ShadowVolumeSoft, SoftShadow,
+        Terminator, TransparentShadow,
     };
 
     pub use crate::{Picture, Pictures};

@@ -3,6 +3,7 @@
 //! Every technique plugs in through `shadowgraph_engine::shadow`, as one written outside this crate does.
 
 pub mod common;
+mod shadow_map;
 mod shadow_volume_hard;
 mod shadow_volume_soft;
 mod soft_shadow;
@@ -10,6 +11,7 @@ mod transparent_shadow;
 
 use shadowgraph_engine::shadow::Catalog;
 
+pub use shadow_map::{Faces, MAX_BIAS, MAX_MAP_RESOLUTION, MIN_MAP_RESOLUTION, ShadowMap};
 pub use shadow_volume_hard::{
     Closure, CounterKind, DepthTest, Extrusion, GeometryMode, Passes, ShadowVolumeHard, Terminator,
 };
@@ -28,5 +30,6 @@ pub fn catalog() -> Catalog {
     catalog.register(ShadowVolumeSoft::ENTRY);
     catalog.register(SoftShadow::ENTRY);
     catalog.register(TransparentShadow::ENTRY);
+    catalog.register(ShadowMap::ENTRY);
     catalog
 }

@@ -22,6 +22,8 @@ const SOFT: &str = "ShadowVolumeSoft";
 const TRANSPARENT: &str = "TransparentShadow";
 /// Lights with a size, on planes.
 const PLANAR: &str = "SoftShadow";
+/// Hard shadows looked up in maps.
+const MAP: &str = "ShadowMap";
 
 /// A scene while it is drawn.
 struct Draft<'a> {
@@ -54,6 +56,7 @@ pub fn recipe_of(seed: u64, family: Family, catalog: &Catalog) -> Recipe {
         Family::Planar => draft.planar(),
         Family::NodesMixed => draft.nodes_mixed(),
         Family::Bent => draft.bent(),
+        Family::Maps => draft.maps(),
     }
     draft.recipe
 }

@@ -77,6 +77,8 @@ fn number(random: &mut Random, name: &str, sizes: Sizes) -> Option<f64> {
         // 16 mostly: a reference ray for each.
         ("samples", _) => Some(random.pick(&[16.0, 16.0, 16.0, 64.0])),
         ("resolution", _) => random.chance(0.5).then_some(512.0),
+        ("pcf", _) => Some(random.pick(&[1.0, 2.0, 3.0, 5.0, 7.0])),
+        ("cascades", _) => random.chance(0.3).then_some(3.0),
         // It weighs what is seen, not the factors.
         ("weight", _) => None,
         _ => None,

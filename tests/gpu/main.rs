@@ -23,6 +23,7 @@ mod kept_textures;
 mod known;
 mod layers;
 mod many_lights;
+mod maps;
 mod materials;
 mod models;
 mod outside_technique;

@@ -65,6 +65,26 @@ fn the_fixed_seeds_are_right() {
     );
 }
 
+/// Scenes under maps, which owe bounds: few of them are drawn by chance.
+#[test]
+fn maps_keep_their_bounds_on_random_scenes() {
+    let Some(renderer) = shadowgraph_testing::renderer() else { return };
+    let mut judge = Judge::new(renderer);
+    let mut tally = Tally::default();
+    let mut wrong = Vec::new();
+    for seed in 0..60 {
+        let recipe = recipe_of(seed, Family::Maps, judge.catalog());
+        let verdict = judge.judge(&recipe);
+        tally.count(&recipe, &verdict);
+        if let Verdict::Wrong(failure) = verdict {
+            wrong.push(format!("maps-{seed}: {:?} {}", failure.kind, failure.lines.join("; ")));
+        }
+    }
+    println!("{tally}");
+    assert!(tally.refused() * 20 <= tally.scenes(), "{} of {} refused", tally.refused(), tally.scenes());
+    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
+}
+
 #[test]
 fn a_seed_is_the_same_scene_and_another_is_not() {
     let catalog = shadowgraph::nodes::catalog();

@@ -115,6 +115,46 @@ pub(crate) const fn casters_within(rmse: f64) -> Tolerance {
     Tolerance::Within(Bound { leak_share, false_share, rmse, penumbra_rmse: rmse, max: 1.0, why })
 }
 
+pub(crate) const MAP: &str = "ShadowMap";
+
+/// Texels of what a light sees: edges are off by up to one, drawn out where light grazes, and blurred over as many as are
+/// averaged. Measured over all cases, with a third more; no leak or false shadow is farther than two texels from an edge, which
+/// tests/gpu/maps.rs asks in texels.
+pub(crate) const fn map_texels(leak_share: f64, false_share: f64, rmse: f64) -> Tolerance {
+    let why = "edges are off by up to a texel of the map";
+    Tolerance::Within(Bound { leak_share, false_share, rmse, penumbra_rmse: 1.0, max: 1.0, why })
+}
+
+const fn map(setting: &'static str, owes: Tolerance, except: &'static [Group]) -> Row {
+    Row { technique: MAP, setting, owes, except, accepts_at_least: 240 }
+}
+
+/// Kilometres in one map, lamps and suns that graze, so that one texel is many pixels long.
+const LONG_TEXELS: Group = &[
+    ("wide-band", map_texels(0.13, 0.001, 0.41)),
+    ("strip-500m", map_texels(0.008, 0.006, 0.13)),
+    ("strip-5km", map_texels(0.13, 0.014, 0.41)),
+    ("road-50km", map_texels(0.002, 0.001, 0.08)),
+    ("grazing-sun", map_texels(0.001, 0.001, 0.12)),
+    ("grazing-lamp", map_texels(0.035, 0.001, 0.22)),
+];
+
+/// The same with a quarter of the texels along a side.
+const LONGER_TEXELS: Group = &[
+    ("wide-band", map_texels(0.13, 0.001, 0.41)),
+    ("strip-500m", map_texels(0.13, 0.001, 0.3)),
+    ("strip-5km", map_texels(0.22, 0.001, 0.41)),
+    ("grazing-sun", map_texels(0.002, 0.001, 0.15)),
+    ("grazing-lamp", map_texels(0.035, 0.001, 0.22)),
+];
+
+/// Lamps a billionth of a metre over a face: nearer to it than f32 tells one direction from another.
+const LAMPS_ON_FACES: Group = &[
+    ("lamp-1e-9-over-face", map_texels(0.2, 0.012, 0.52)),
+    ("lamp-1e-9-over-edge", map_texels(0.2, 0.012, 0.52)),
+    ("lamp-1e-9-over-vertex", map_texels(1.0, 0.04, 1.0)),
+];
+
 pub(crate) const SOFT: &str = "ShadowVolumeSoft";
 
 /// Sample by sample, and no masks; its factors are computed for each fragment, so that four samples a pixel are refused.
@@ -203,7 +243,7 @@ const CASTERS_WITHIN: Group = &[
 
 /// Techniques whose settings other than the default are tried on one case in [`THINNED_TO_ONE_IN`], so that all of it ends
 /// in time, ...
-pub(crate) const THINNED: &[&str] = &[SOFT, PLANAR, TRANSPARENT];
+pub(crate) const THINNED: &[&str] = &[SOFT, PLANAR, TRANSPARENT, MAP];
 pub(crate) const THINNED_TO_ONE_IN: usize = 6;
 /// ... and on none of these, which are large: a thousand instances, 4 096 layers, 64 lights. They are about a number, which
 /// every technique meets by its default; other settings of theirs take a fifth of all time.
@@ -374,6 +414,29 @@ pub(crate) const ROWS: &[Row] = &[
     },
     exact(TRANSPARENT, "log32"),
     exact(TRANSPARENT, "product32"),
+    map("default", map_texels(0.0011, 0.0011, 0.08), &[NOT_MULTISAMPLED, LONG_TEXELS, LAMPS_ON_FACES]),
+    map("pcf 1", map_texels(0.0011, 0.0014, 0.08), &[NOT_MULTISAMPLED, LONG_TEXELS, LAMPS_ON_FACES]),
+    map("512", map_texels(0.005, 0.002, 0.105), &[NOT_MULTISAMPLED, LONGER_TEXELS, LAMPS_ON_FACES]),
+    map("cascades 3", map_texels(0.0016, 0.0016, 0.08), &[NOT_MULTISAMPLED, LONG_TEXELS, LAMPS_ON_FACES]),
+    // Two texels times the slope, and one along the normal: as far as shadows come off.
+    map(
+        "biased",
+        map_texels(0.008, 0.001, 0.11),
+        &[
+            NOT_MULTISAMPLED,
+            LAMPS_ON_FACES,
+            &[
+                ("alpha-mask", map_texels(0.022, 0.001, 0.17)),
+                ("map-acne", map_texels(0.033, 0.001, 0.21)),
+                ("wide-band", map_texels(0.13, 0.001, 0.41)),
+                ("strip-500m", map_texels(0.22, 0.001, 0.55)),
+                ("strip-5km", map_texels(0.22, 0.001, 0.55)),
+                ("stretched-at-grazing", map_texels(0.008, 0.003, 0.12)),
+                ("grazing-sun", map_texels(0.08, 0.001, 0.32)),
+                ("grazing-lamp", map_texels(0.035, 0.001, 0.22)),
+            ],
+        ],
+    ),
     // Its factors are computed for each fragment: four samples a pixel are refused.
     Row { except: &[&[("msaa", Tolerance::ExactWhereAccepted)]], ..exact("Reference", "default") },
 ];

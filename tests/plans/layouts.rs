@@ -130,6 +130,15 @@ fn penumbra_wedges() {
     }
 }
 
+#[test]
+fn shadow_maps() {
+    for (structure, rust) in shadowgraph_nodes::common::shadow_maps::layouts() {
+        assert_same("common/shadow_maps", structure, rust);
+    }
+    let (structure, rust) = shadowgraph_nodes::common::map_casters::corner_layout();
+    assert_same_with("shadow_map_casters", &["MASKED"], structure, rust);
+}
+
 /// A structure that a shader binds and no test compares would drift unseen.
 #[test]
 fn every_structure_bound_as_data_is_compared() {
@@ -148,6 +157,7 @@ fn every_structure_bound_as_data_is_compared() {
         "PaneTriangle",
         "PlanarLight",
         "PlanarTexture",
+        "ShadowMaps",
         "SoftHead",
         "Volume",
         "WedgeCasters",

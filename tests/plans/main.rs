@@ -10,6 +10,7 @@ mod frugality;
 mod hard_options;
 mod layouts;
 mod lights;
+mod maps;
 mod option_docs;
 mod options_act;
 mod planar;

@@ -50,7 +50,8 @@ fn markdown(table: &OptionTable) -> String {
                 words.iter().map(|word| format!("`{}`", word.name)).collect::<Vec<_>>().join(", ")
             }
             Accepts::Flag => "`false`, `true`".into(),
-            accepts => format!("`{}` ({accepts})", option.default),
+            accepts if option.has_default() => format!("`{}` ({accepts})", option.default),
+            accepts => format!("left out ({accepts})"),
         };
         format!("| `{}` | {values} | {} |\n", option.name, option.doc)
     };

@@ -9,7 +9,7 @@ use shadowgraph_engine::shadow::{Accepts, Cache, OptionSpec, Options, TechniqueE
 use shadowgraph_testing::*;
 
 /// Values that are what the default chooses, on every scene as yet.
-const SAME_AS_DEFAULT: &[(&str, &str)] = &[("counter", "stencil8")];
+const SAME_AS_DEFAULT: &[(&str, &str)] = &[("counter", "stencil8"), ("faces", "both")];
 
 /// Values that demand what the default takes where it can, and are refused where it cannot: they act by that refusal, for
 /// which another option may leave no room.
@@ -22,6 +22,9 @@ fn numbers(option: &str) -> &'static [f64] {
         "samples" => &[32.0],
         "resolution" => &[512.0],
         "weight" => &[0.25],
+        "pcf" => &[1.0, 4.0],
+        "cascades" => &[3.0],
+        "constantBias" | "slopeBias" | "normalBias" => &[0.5],
         _ => panic!("say at which value '{option}' is to be tried"),
     }
 }

@@ -24,6 +24,8 @@ const USED: &[(&str, &[&str], &[&str])] = &[
     ("per_receiver", &["CASTERS", "CLUSTERS", "ONE_CASTER"], &["soft_vertex", "mark", "per_receiver"]),
     ("resolve_mask", &[], &["fullscreen_vertex", "mark", "darken"]),
     ("sample_images", &["COUNTS"], &["fullscreen_vertex", "triangle", "factor"]),
+    ("shadow_map", &["BIASED", "CASCADES", "PERSPECTIVE", "POINT"], &["fullscreen_vertex", "darken"]),
+    ("shadow_map_casters", &["BASE_COLOR_TEXTURE", "MASKED", "PERSPECTIVE"], &["vertex", "slope", "holes"]),
     (
         "shadow_volume_hard",
         &[],

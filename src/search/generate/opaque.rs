@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
-use super::{Draft, HARD, SOFT, TRANSPARENT};
+use super::{Draft, HARD, MAP, SOFT, TRANSPARENT};
 use crate::search::bodies::{self, Corners};
 use crate::search::lamps::{self, Kinds};
 use crate::search::options::Sizes;
@@ -17,6 +17,19 @@ impl Draft<'_> {
         }
         self.open_lamps(1, 3);
         self.one_of(&[HARD, HARD, HARD, TRANSPARENT], Sizes::None);
+    }
+
+    pub(super) fn maps(&mut self) {
+        self.floor_mostly();
+        for _ in 0..self.random.whole(1, 4) {
+            let mut body = self.anything();
+            if !body.uvs.is_empty() && self.random.chance(0.2) {
+                body.wear = bodies::mask(&mut self.random);
+            }
+            self.placed(body);
+        }
+        self.open_lamps(1, 3);
+        self.one_of(&[MAP], Sizes::None);
     }
 
     pub(super) fn soup(&mut self) {

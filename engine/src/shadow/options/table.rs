@@ -95,7 +95,7 @@ pub struct OptionSpec {
     pub doc: String,
     /// What it accepts.
     pub accepts: Accepts,
-    /// What it is when it is left out.
+    /// What it is when it is left out; NaN for a number that has none, so that leaving it out says something by itself.
     pub default: ParamValue,
 }
 
@@ -129,7 +129,8 @@ impl OptionTable {
             properties.iter().filter_map(|(name, property)| OptionSpec::new(name, property)).collect();
         // A schema's properties are sorted by name; what serde writes is in the order of declaration.
         let written = serde_json::to_string(&T::default()).unwrap_or_default();
-        options.sort_by_key(|option| written.find(&format!("\"{}\":", option.name)));
+        // What has no default is not written, and comes last.
+        options.sort_by_key(|option| written.find(&format!("\"{}\":", option.name)).unwrap_or(usize::MAX));
         Self { options, schema }
     }
 
@@ -146,6 +147,11 @@ impl OptionTable {
 }
 
 impl OptionSpec {
+    /// Whether leaving it out is the same as giving it some value.
+    pub fn has_default(&self) -> bool {
+        !matches!(self.default, ParamValue::Number(number) if number.is_nan())
+    }
+
     /// Reads one property of a schema; none for what options cannot be.
     fn new(name: &str, property: &Value) -> Option<Self> {
         let range = |schema: &Value| {
@@ -189,11 +195,16 @@ fn one_line(description: &Value) -> String {
     description.as_str().unwrap_or_default().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Takes out Rust's number types and the line breaks of doc comments, which say nothing to a reader of JSON.
+/// Takes out Rust's number types and the line breaks of doc comments, which say nothing to a reader of JSON; and null, which
+/// is how an optional number is left out in Rust and not in JSON.
 fn tidy(schema: &mut Value) {
     match schema {
         Value::Object(object) => {
             object.remove("format");
+            if object.get("type") == Some(&serde_json::json!(["number", "null"])) {
+                object.insert("type".into(), "number".into());
+                object.remove("default");
+            }
             if let Some(description) = object.get_mut("description") {
                 *description = one_line(description).into();
             }

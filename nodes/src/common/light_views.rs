@@ -1,0 +1,370 @@
+//! From where a light looks at its casters: the views that maps are drawn in.
+//!
+//! A directional light has an orthographic view, or one for each cascade; a spot a perspective view of its cone; a point light
+//! six, along the axes of the world. Each shows a *window* and no more: of what casts, what can fall on something. Windows have
+//! sizes from a fixed series and begin on multiples of whole texels, counted from a fixed place, so that texels lie where they
+//! lay while the eye or a caster moves a little, and what did not move is not drawn again.
+//!
+//! Everything is composed in f64. Depth is reversed: 1 near, and 0 at the far plane, which each view has where the last of what
+//! receives lies along it (paper 003 §8.2.1.2): a lamp that is far away is then as exact as one that is near.
+
+use glam::{DAffine3, DMat3, DMat4, DVec2, DVec3, DVec4};
+use shadowgraph_engine::math::{Aabb, Plane};
+use shadowgraph_engine::scene::{LightKind, LightSnapshot};
+use shadowgraph_engine::shadow::View;
+
+/// Windows begin on multiples of this share of themselves.
+const STEPS: u32 = 32;
+/// Windows have sizes of this many steps for each power of two.
+const SIZES: f64 = 8.0;
+/// A window is at least this share of its other side.
+const LEAST_SHARE: f64 = 1e-4;
+/// And at least this wide, a metre before the light.
+const LEAST_WIDTH: f64 = 1e-9;
+/// Nothing is nearer to a light, relative to how far away casters are: there depth would leave the range of f32.
+const NEAREST: f64 = 1e-7;
+/// A spot that opens wider than this is seen in six views.
+const WIDEST_RAD: f64 = 1.05;
+
+/// How depth falls from the light on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Depth {
+    /// From 1 to 0 over so many metres; the end lies so high along the direction towards the light.
+    Orthographic {
+        /// In metres from the origin.
+        end_m: f64,
+        /// In metres.
+        range_m: f64,
+    },
+    /// Linear in 1 / distance along the view.
+    Perspective {
+        /// In metres.
+        near_m: f64,
+        /// In metres.
+        far_m: f64,
+    },
+}
+
+/// What a light sees of the world in one layer of its maps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightView {
+    /// The light; for a direction the world's origin.
+    pub origin: DVec3,
+    /// Its rows are the view's axes: right, up, and towards the light.
+    pub light_from_world: DMat3,
+    /// The window: of what is a metre before the light, or in metres.
+    pub window: [DVec2; 2],
+    /// How depth falls.
+    pub depth: Depth,
+}
+
+/// What a view is to be good for.
+#[derive(Clone, Copy, Debug)]
+pub struct MapSize {
+    /// Texels along a side.
+    pub texels: u32,
+    /// Texels beside a point that are looked up for it, and a little more.
+    pub margin: f64,
+}
+
+impl LightView {
+    /// A point of the world along the view's axes, from its origin.
+    pub fn light_from(&self, p_in_world: DVec3) -> DVec3 {
+        self.light_from_world * (p_in_world - self.origin)
+    }
+
+    /// From the view's axes to clip space.
+    pub fn clip_from_light(&self) -> DMat4 {
+        let [low, high] = self.window;
+        let (scale, middle) = (2.0 / (high - low), (low + high) / (high - low));
+        match self.depth {
+            Depth::Orthographic { end_m, range_m } => DMat4::from_cols(
+                DVec4::X * scale.x,
+                DVec4::Y * scale.y,
+                DVec4::Z / range_m,
+                DVec4::new(-middle.x, -middle.y, -end_m / range_m, 1.0),
+            ),
+            Depth::Perspective { near_m, far_m } => {
+                let steepness = near_m / (far_m - near_m);
+                DMat4::from_cols(
+                    DVec4::X * scale.x,
+                    DVec4::Y * scale.y,
+                    DVec4::new(middle.x, middle.y, steepness, -1.0),
+                    DVec4::Z * (steepness * far_m),
+                )
+            }
+        }
+    }
+
+    /// From some local space to clip space.
+    pub fn clip_from_local(&self, world_from_local: &DAffine3) -> DMat4 {
+        let translation = self.light_from(world_from_local.translation);
+        let matrix3 = self.light_from_world * world_from_local.matrix3;
+        self.clip_from_light() * DMat4::from(DAffine3 { matrix3, translation })
+    }
+
+    /// From some local space to (x, y) in texels of a map of so many, x right and y down, and depth.
+    pub fn map_from_local(&self, world_from_local: &DAffine3, texels: u32) -> DMat4 {
+        let half = f64::from(texels) * 0.5;
+        let texels_from_clip =
+            DMat4::from_cols(DVec4::X * half, DVec4::Y * -half, DVec4::Z, DVec4::new(half, half, 0.0, 1.0));
+        texels_from_clip * self.clip_from_local(world_from_local)
+    }
+
+    /// Whether something within `bounds` may be in the window and before what receives.
+    pub fn may_show(&self, bounds: &Aabb) -> bool {
+        let corners = bounds.corners().map(|corner| self.light_from(corner));
+        let [low, high] = self.window;
+        match self.depth {
+            Depth::Orthographic { end_m, .. } => {
+                let around = Aabb::from_points(corners);
+                around.max.z >= end_m
+                    && around.min.truncate().cmple(high).all()
+                    && around.max.truncate().cmpge(low).all()
+            }
+            Depth::Perspective { .. } => seen_window(&corners, low, high).is_some(),
+        }
+    }
+}
+
+/// The part of a window that a box before a perspective view spans, given by its corners along the view's axes, and how near it
+/// comes; `None` where it is beside or behind the light.
+fn seen_window(corners: &[DVec3; 8], low: DVec2, high: DVec2) -> Option<([DVec2; 2], f64)> {
+    let before = |corner: &&DVec3| corner.z < 0.0;
+    let count = corners.iter().filter(before).count();
+    if count == 0 {
+        return None;
+    }
+    let spanned = |corners: &[DVec3]| {
+        let seen = corners.iter().map(|corner| corner.truncate() / -corner.z);
+        let least = seen.clone().fold(DVec2::INFINITY, DVec2::min).max(low);
+        let most = seen.fold(DVec2::NEG_INFINITY, DVec2::max).min(high);
+        let nearest_m = corners.iter().map(|corner| -corner.z).fold(f64::INFINITY, f64::min);
+        least.cmple(most).all().then_some(([least, most], nearest_m))
+    };
+    if count == corners.len() {
+        return spanned(corners);
+    }
+    // Cut off what is beside the window, and behind the light.
+    let size_m = corners.iter().map(|corner| corner.length()).fold(0.0, f64::max);
+    let beside = [
+        DVec3::new(1.0, 0.0, low.x),
+        DVec3::new(-1.0, 0.0, -high.x),
+        DVec3::new(0.0, 1.0, low.y),
+        DVec3::new(0.0, -1.0, -high.y),
+    ];
+    let beside = beside.map(|normal| Plane { normal: normal.normalize(), offset: 0.0 });
+    let behind = Plane { normal: DVec3::NEG_Z, offset: NEAREST * size_m };
+    let mut faces = faces_of(corners);
+    for plane in beside.iter().chain([&behind]) {
+        faces = cut(&faces, plane);
+    }
+    spanned(&faces.concat())
+}
+
+/// Where a window along one axis begins and how long it is, around `low` … `high` with the margin on both sides.
+fn snapped(low: f64, high: f64, size: MapSize) -> (f64, f64) {
+    let texels = f64::from(size.texels);
+    let step = f64::from(size.texels.div_ceil(STEPS)) / texels;
+    let wanted = (high - low) / (1.0 - step - 2.0 * size.margin / texels);
+    let length = ((wanted.log2() * SIZES).ceil() / SIZES).exp2();
+    let begin = low - size.margin * length / texels;
+    let step = step * length;
+    ((begin / step).floor() * step, length)
+}
+
+/// The window around both corners.
+fn window(low: DVec2, high: DVec2, least: f64, size: MapSize) -> [DVec2; 2] {
+    let wider = (high - low).max_element() * LEAST_SHARE;
+    let grown = (DVec2::splat(wider.max(least)) - (high - low)).max(DVec2::ZERO) * 0.5;
+    let (low, high) = (low - grown, high + grown);
+    let (x, y) = (snapped(low.x, high.x, size), snapped(low.y, high.y, size));
+    [DVec2::new(x.0, y.0), DVec2::new(x.0 + x.1, y.0 + y.1)]
+}
+
+/// The axes along which a direction towards the light is z.
+pub fn axes_towards(towards: DVec3) -> DMat3 {
+    let towards = towards.normalize();
+    let (right, up) = towards.any_orthonormal_pair();
+    // Rows, and right-handed.
+    DMat3::from_cols(right, up, towards).transpose()
+}
+
+/// The view of a direction in which `casters` may shadow what is at `receivers`; both along its axes, boxes of the former and
+/// points that span the latter. `None` where nothing can.
+pub fn directional_view(
+    light_from_world: DMat3,
+    casters: &[Aabb],
+    receivers: &[DVec3],
+    size: MapSize,
+) -> Option<LightView> {
+    let around = Aabb::from_points(receivers.iter().copied());
+    if around.is_empty() {
+        return None;
+    }
+    let matter = |caster: &&Aabb| {
+        let meets =
+            |axis: usize| caster.min[axis] <= around.max[axis] && caster.max[axis] >= around.min[axis];
+        meets(0) && meets(1) && caster.max.z > around.min.z
+    };
+    let wanted = casters.iter().filter(matter).fold(Aabb::EMPTY, |all, caster| all.union(caster));
+    if wanted.is_empty() {
+        return None;
+    }
+    let (low, high) = (wanted.min.max(around.min), wanted.max.min(around.max));
+    let least = 1e-9 * (around.radius() + around.center().length()).max(f64::MIN_POSITIVE);
+    let window = window(low.truncate(), high.truncate(), least, size);
+    // What lies in the window's margins may cast too.
+    let overlaps = |caster: &&Aabb| {
+        caster.min.truncate().cmple(window[1]).all() && caster.max.truncate().cmpge(window[0]).all()
+    };
+    let top_m = casters.iter().filter(overlaps).map(|caster| caster.max.z).fold(wanted.max.z, f64::max);
+    let rounding = MapSize { margin: 0.0, texels: STEPS };
+    let (end_m, range_m) = snapped(around.min.z - least, top_m + least, rounding);
+    let depth = Depth::Orthographic { end_m, range_m };
+    Some(LightView { origin: DVec3::ZERO, light_from_world, window, depth })
+}
+
+/// The six views of a point light, in the order of the axes (+x, −x, +y, −y, +z, −z): `None` where nothing casts. `casters` are
+/// boxes in the world; what lies farther along a view than all of `receivers` casts nothing there.
+pub fn point_views(
+    origin: DVec3,
+    casters: &[Aabb],
+    receivers: &Aabb,
+    size: MapSize,
+) -> [Option<LightView>; 6] {
+    // Each view a little wider than its sixth, so that what is looked up beside a seam is there.
+    let widest = 1.0 / (1.0 - 2.0 * size.margin / f64::from(size.texels));
+    std::array::from_fn(|face| {
+        let mut forward = DVec3::ZERO;
+        forward[face / 2] = if face % 2 == 0 { 1.0 } else { -1.0 };
+        perspective_view(origin, forward, widest, (casters, receivers), size)
+    })
+}
+
+/// The views of a spot: one, or those of a point light where it opens too wide for that.
+pub fn spot_views(
+    light: &LightSnapshot,
+    casters: &[Aabb],
+    receivers: &Aabb,
+    size: MapSize,
+) -> Vec<Option<LightView>> {
+    let origin = light.position.truncate();
+    match spot_opening(light) {
+        Some(opening) => {
+            vec![perspective_view(origin, light.direction, opening.tan(), (casters, receivers), size)]
+        }
+        None => point_views(origin, casters, receivers, size).to_vec(),
+    }
+}
+
+/// Half the angle of a spot that one view can show.
+pub fn spot_opening(light: &LightSnapshot) -> Option<f64> {
+    match light.light.kind {
+        LightKind::Spot { outer_rad, .. } => Some(outer_rad).filter(|angle| *angle <= WIDEST_RAD),
+        _ => None,
+    }
+}
+
+fn perspective_view(
+    origin: DVec3,
+    forward: DVec3,
+    widest: f64,
+    (casters, receivers): (&[Aabb], &Aabb),
+    size: MapSize,
+) -> Option<LightView> {
+    let light_from_world = axes_towards(-forward);
+    let local = |bounds: &Aabb| bounds.corners().map(|corner| light_from_world * (corner - origin));
+    let farthest_m = local(receivers).into_iter().map(|p| -p.z).fold(f64::NEG_INFINITY, f64::max);
+    let (low, high) = (DVec2::splat(-widest), DVec2::splat(widest));
+    let (mut least, mut most) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    let (mut nearest_m, mut end_m) = (f64::INFINITY, 0.0_f64);
+    for bounds in casters {
+        let corners = local(bounds);
+        let from_m = corners.iter().map(|p| -p.z).fold(f64::INFINITY, f64::min);
+        if from_m > farthest_m {
+            continue;
+        }
+        let Some(([from, to], seen_m)) = seen_window(&corners, low, high) else { continue };
+        (least, most) = (least.min(from), most.max(to));
+        nearest_m = nearest_m.min(seen_m);
+        end_m = corners.iter().map(|p| p.length()).fold(end_m, f64::max);
+    }
+    if end_m == 0.0 {
+        return None;
+    }
+    // A little more than there is between them.
+    let slack_m = 1e-3 * (farthest_m - nearest_m.max(0.0)) + 1e-9 * farthest_m;
+    let near_m = (nearest_m - slack_m).max(NEAREST * end_m);
+    let far_m = (farthest_m + slack_m).max(near_m * (1.0 + 1e-9));
+    let window = window(least, most, LEAST_WIDTH, size);
+    Some(LightView { origin, light_from_world, window, depth: Depth::Perspective { near_m, far_m } })
+}
+
+/// The corners of what a view sees of `bounds` between two distances along it, in metres.
+pub fn seen_corners(view: &View, bounds: &Aabb, [from_m, to_m]: [f64; 2]) -> Vec<DVec3> {
+    if bounds.is_empty() {
+        return Vec::new();
+    }
+    let eye = view.camera.world_from_view.translation;
+    let forward = view.camera.world_from_view.transform_vector3(DVec3::NEG_Z).normalize_or_zero();
+    let mut planes = view.frustum.planes.clone();
+    planes.push(Plane { normal: forward, offset: forward.dot(eye) + from_m });
+    if to_m.is_finite() {
+        planes.push(Plane { normal: -forward, offset: -forward.dot(eye) - to_m });
+    }
+    let margin = 1e-9 * (bounds.radius() + bounds.center().length());
+    let mut faces = faces_of(&bounds.corners());
+    for plane in planes {
+        faces = cut(&faces, &Plane { offset: plane.offset - margin, ..plane });
+    }
+    faces.concat()
+}
+
+/// How far along the view its nearest and farthest receivers are, in metres.
+pub fn seen_range(view: &View, bounds: &Aabb) -> Option<[f64; 2]> {
+    let view_from_world = view.camera.world_from_view.inverse();
+    let corners = seen_corners(view, bounds, [0.0, f64::INFINITY]);
+    let distances: Vec<f64> = corners.iter().map(|p| -view_from_world.transform_point3(*p).z).collect();
+    let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
+    let farthest = distances.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (nearest <= farthest).then_some([nearest, farthest])
+}
+
+/// The faces of a box with these corners.
+fn faces_of(corners: &[DVec3; 8]) -> Vec<Vec<DVec3>> {
+    let faces = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
+    faces.map(|face| face.map(|corner| corners[corner]).to_vec()).to_vec()
+}
+
+/// The faces of a convex body on the positive side of a plane, with the one that the cut makes.
+fn cut(faces: &[Vec<DVec3>], plane: &Plane) -> Vec<Vec<DVec3>> {
+    let mut kept = Vec::new();
+    let mut lid: Vec<DVec3> = Vec::new();
+    for face in faces {
+        let mut outline = Vec::with_capacity(face.len() + 1);
+        for (number, &from) in face.iter().enumerate() {
+            let to = face[(number + 1) % face.len()];
+            let (height, next) = (plane.height(from), plane.height(to));
+            if height >= 0.0 {
+                outline.push(from);
+            }
+            if (height >= 0.0) != (next >= 0.0) {
+                let crossing = from + (to - from) * (height / (height - next));
+                outline.push(crossing);
+                lid.push(crossing);
+            }
+        }
+        if !outline.is_empty() {
+            kept.push(outline);
+        }
+    }
+    if lid.len() > 2 {
+        let middle = lid.iter().sum::<DVec3>() / lid.len() as f64;
+        let (x, y) = plane.normal.any_orthonormal_pair();
+        let angle = |p: &DVec3| (*p - middle).dot(y).atan2((*p - middle).dot(x));
+        lid.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+        kept.push(lid);
+    }
+    kept
+}

@@ -1,0 +1,376 @@
+//! What is drawn into a light's maps: which casters can shadow anything, which of their triangles, and the draws of one view.
+//!
+//! Facing is decided once per triangle, in f64, as for shadow volumes; triangles the light sees edge-on are not drawn. Masked
+//! parts are drawn with the corners of their own, and holes are looked up by the function that gives the visible surface its
+//! holes. A flat caster before which everything lies that receives (a floor, usually) shadows nothing and is left out, so that
+//! maps need not show it.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable, cast_slice};
+use glam::{DAffine3, DMat3, DVec3, DVec4};
+use shadowgraph_engine::math::{Aabb, Plane};
+use shadowgraph_engine::plan::{
+    BlendState, BufferDesc, CompareFunction, DrawState, Resource, Shader, ShaderError,
+};
+use shadowgraph_engine::scene::{ImageKey, Instance, Material, TexCoord};
+use shadowgraph_engine::shadow::{Binding, Draw, Geometry, LightContext, PassList, hash_of};
+
+use super::light_views::LightView;
+use super::ray_candidates::Layout;
+use super::volume::{CastShape, CasterFacing, Half};
+use crate::layout;
+
+/// `struct MapCorner` of shadow_map_casters.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[allow(missing_docs, reason = "documented where the shader reads them")]
+pub struct MapCorner {
+    pub position: [f32; 3],
+    pub alpha: f32,
+    pub uv: [f32; 2],
+    pub cutoff: f32,
+    pub reading: u32,
+}
+
+/// The structure of shadow_map_casters.wgsl as it is here: what the layout test compares.
+pub fn corner_layout() -> (&'static str, Layout) {
+    ("MapCorner", layout!(MapCorner: position, alpha, uv, cutoff, reading))
+}
+
+/// Which triangles of a caster are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Drawn {
+    /// All that are not edge-on.
+    Both,
+    /// Those whose front is towards the light.
+    Front,
+    /// The others.
+    Back,
+}
+
+/// A caster that can shadow something.
+#[derive(Clone, Debug)]
+pub struct MapCaster<'a> {
+    /// Its number in the scene's snapshot.
+    pub index: usize,
+    /// It.
+    pub instance: &'a Instance,
+    /// Which of its triangles are drawn.
+    pub drawn: Drawn,
+}
+
+/// The casters of a light that can shadow something anywhere in the scene; of those left out, why.
+pub fn casters_of<'a>(
+    light: &LightContext<'a>,
+    out: &mut PassList<'_>,
+    drawn: impl Fn(&Instance) -> Drawn,
+) -> Vec<MapCaster<'a>> {
+    let receivers: Vec<(usize, Aabb)> = light
+        .snapshot
+        .instances
+        .iter()
+        .enumerate()
+        .filter(|(_, instance)| instance.shadow.receives)
+        .map(|(index, instance)| (index, instance.world_bounds))
+        .collect();
+    let name = &light.light().name;
+    let (mut kept, mut flat, mut beyond) = (Vec::new(), Vec::new(), Vec::new());
+    for (index, instance) in light.casters() {
+        if !instance.materials.iter().any(|m| m.casts_whole() || m.casts_by_texel()) {
+            continue;
+        }
+        if !light.light().may_reach(&instance.world_bounds) {
+            beyond.push(instance.name.as_str());
+        } else if has_nothing_behind(light, (index, instance), &receivers) {
+            flat.push(instance.name.as_str());
+        } else {
+            kept.push(MapCaster { index, instance, drawn: drawn(instance) });
+        }
+    }
+    for (names, reason) in [
+        (flat, "flat, and nothing that receives lies behind it"),
+        (beyond, "outside the light's range or cone"),
+    ] {
+        if let Some(first) = names.first() {
+            let more = if names.len() > 1 { format!(" and {} more", names.len() - 1) } else { String::new() };
+            out.note(format!("casters of '{name}' '{first}'{more}: {reason}"));
+        }
+    }
+    kept
+}
+
+/// Whether a caster is flat and everything that receives lies on the light's side of it, or in its plane.
+fn has_nothing_behind(
+    light: &LightContext<'_>,
+    (index, instance): (usize, &Instance),
+    receivers: &[(usize, Aabb)],
+) -> bool {
+    let plane = light.cache.get_or_compute("flat caster", instance.pose_key, || plane_of(instance));
+    let Some(plane) = *plane else { return false };
+    let position = light.light().position;
+    let height = plane.normal.dot(position.truncate()) - plane.offset * position.w;
+    let lost = lost_of(&instance.world_bounds);
+    if height.abs() <= lost * position.w {
+        return false;
+    }
+    let side = if height > 0.0 { plane } else { Plane { normal: -plane.normal, offset: -plane.offset } };
+    receivers.iter().filter(|(receiver, _)| *receiver != index).all(|(_, bounds)| {
+        let lost = lost + lost_of(bounds);
+        bounds.corners().iter().all(|corner| side.height(*corner) >= -lost)
+    })
+}
+
+/// How far off a plane something within `bounds` may be and yet lie in it: what f32 loses of its size, and f64 of its place.
+fn lost_of(bounds: &Aabb) -> f64 {
+    1e-7 * bounds.radius() + 1e-14 * bounds.center().length()
+}
+
+/// The plane in which all of an instance lies, if there is one.
+fn plane_of(instance: &Instance) -> Option<Plane> {
+    let mesh = &instance.mesh;
+    let largest = (0..mesh.triangle_count())
+        .map(|triangle| {
+            let [a, b, c] = instance.world_triangle(triangle);
+            (a, (b - a).cross(c - a))
+        })
+        .max_by(|(_, a), (_, b)| a.length_squared().total_cmp(&b.length_squared()))?;
+    let plane = Plane::through(largest.0, largest.1);
+    let lost = lost_of(&instance.world_bounds);
+    let lies_in = |vertex: u32| plane.height(instance.world_position(vertex)).abs() <= lost;
+    (plane.normal != DVec3::ZERO && (0..mesh.positions().len() as u32).all(lies_in)).then_some(plane)
+}
+
+/// The box around a caster along the axes of a direction.
+pub fn bounds_along(light: &LightContext<'_>, instance: &Instance, axes: &DMat3) -> Aabb {
+    let bits = axes.to_cols_array().map(f64::to_bits);
+    *light.cache.get_or_compute("bounds along a light", hash_of((instance.pose_key, bits)), || {
+        let vertices = 0..instance.mesh.positions().len() as u32;
+        Aabb::from_points(vertices.map(|vertex| *axes * instance.world_position(vertex)))
+    })
+}
+
+/// Where the draws of casters find their matrices.
+pub const MATRICES: u32 = 1;
+
+/// The parts of a caster that one draw has.
+#[derive(Clone, Debug)]
+struct Part<'a> {
+    caster: usize,
+    masked: Option<(usize, &'a Material)>,
+    /// Of the index buffer.
+    first: u32,
+    count: u32,
+}
+
+/// The casters of one light as buffers.
+pub struct CasterBuffers<'a> {
+    casters: Vec<MapCaster<'a>>,
+    parts: Vec<Part<'a>>,
+    indices: Resource,
+    corners: Option<Resource>,
+    images: Vec<(ImageKey, Resource)>,
+    /// A hash of everything that is drawn, but for the light's views.
+    pub key: u64,
+}
+
+/// What one part's list is made from.
+struct List {
+    indices: Vec<u32>,
+    corners: Vec<MapCorner>,
+}
+
+impl<'a> CasterBuffers<'a> {
+    /// Uploads what `casters` draw; none of them twice.
+    pub fn new(light: &LightContext<'a>, out: &mut PassList<'_>, casters: Vec<MapCaster<'a>>) -> Self {
+        let (mut parts, mut lists, mut keys) = (Vec::new(), Vec::new(), Vec::new());
+        let mut images: Vec<(ImageKey, Resource)> = Vec::new();
+        let (mut first, mut corners) = (0, 0);
+        for (number, caster) in casters.iter().enumerate() {
+            let instance = caster.instance;
+            let masked = instance.materials.iter().enumerate().filter(|(_, m)| m.casts_by_texel());
+            let has_whole = instance.materials.iter().any(|material| material.casts_whole());
+            let all = has_whole.then_some(None).into_iter();
+            for masked in all.chain(masked.map(|(part, material)| Some((part, &**material)))) {
+                let (list, key) = list_of(light, caster, masked);
+                if let Some(texture) = masked.and_then(|(_, material)| material.base_color_texture) {
+                    let image = texture.image;
+                    if images.iter().all(|(known, _)| *known != image) {
+                        images.push((image, out.image(image, "holes are looked up where light would pass")));
+                    }
+                }
+                let count = list.indices.len() as u32;
+                parts.push(Part { caster: number, masked, first, count });
+                keys.push((key, corners));
+                first += count;
+                corners += list.corners.len() as u32;
+                lists.push(list);
+            }
+        }
+        let key = hash_of(("map casters", &keys));
+        let bytes = light.cache.get_or_compute("map caster bytes", key, || {
+            let (mut indices, mut corners): (Vec<u32>, Vec<MapCorner>) = (Vec::new(), Vec::new());
+            for list in &lists {
+                let base = if list.corners.is_empty() { 0 } else { corners.len() as u32 };
+                indices.extend(list.indices.iter().map(|index| base + index));
+                corners.extend_from_slice(&list.corners);
+            }
+            [cast_slice(&indices).to_vec(), cast_slice(&corners).to_vec()].map(Arc::new)
+        });
+        let [indices, corners] = &*bytes;
+        let name = &light.light().name;
+        let reason = format!("{} triangles that {name} sees", first / 3);
+        let label = format!("map casters of {name}");
+        let indices =
+            out.buffer(BufferDesc::index(&label, hash_of((key, "indices")), Arc::clone(indices), &reason));
+        let corners = (!corners.is_empty()).then(|| {
+            let (label, reason) = (format!("masked corners of {name}"), "triangles that may have holes");
+            let (key, contents) = (hash_of((key, "corners")), Arc::clone(corners));
+            out.buffer(BufferDesc::storage(&label, key, contents, reason))
+        });
+        Self { casters, parts, indices, corners, images, key }
+    }
+
+    /// The draws of one view into the texture of depth, and into that of slopes if there is one. The matrices that they read are
+    /// added to `matrices`, which the caller binds at [`MATRICES`].
+    ///
+    /// # Errors
+    /// What is wrong with a shader.
+    pub fn draws(
+        &self,
+        view: &LightView,
+        with_slopes: bool,
+        matrices: &mut Vec<[f32; 16]>,
+    ) -> Result<Vec<Draw>, ShaderError> {
+        let mut draws = Vec::new();
+        for part in self.parts.iter().filter(|part| part.count > 0) {
+            let MapCaster { index, instance, .. } = &self.casters[part.caster];
+            if !view.may_show(&instance.world_bounds) {
+                continue;
+            }
+            let world_from_local = match part.masked {
+                None => instance.world_from_shader(),
+                Some(_) => DAffine3::from_translation(instance.world_bounds.center()),
+            };
+            let record = matrices.len() as u32;
+            matrices.push(view.clip_from_local(&world_from_local).as_mat4().to_cols_array());
+            let image = part.masked.and_then(|(_, material)| material.base_color_texture);
+            let shader = shader(view, with_slopes, part.masked.is_some(), image.is_some())?;
+            let (indices, first, count) = (self.indices, part.first, part.count);
+            let geometry = match part.masked {
+                None => Geometry::Indexed { shader, instance: *index as u32, indices, first, count, record },
+                Some(_) => Geometry::IndexedProcedural { shader, indices, first, count, record },
+            };
+            let targets = if with_slopes { vec![Some(BlendState::REPLACE)] } else { vec![] };
+            let mut state = DrawState::new(CompareFunction::Greater, targets);
+            state.depth_write = true;
+            let mut draw = Draw::new(instance.name.clone(), geometry, state);
+            if let (Some(_), Some(corners)) = (part.masked, self.corners) {
+                draw.bindings.push((2, Binding::Storage(corners)));
+            }
+            if let Some(texture) = image {
+                let found = self.images.iter().find(|(key, _)| *key == texture.image);
+                draw.bindings.extend(found.map(|(_, image)| (3, Binding::Texture(*image))));
+            }
+            draws.push(draw);
+        }
+        Ok(draws)
+    }
+
+    /// How far casters reach from their own middles, at most: what rounding loses of their positions goes by that.
+    pub fn largest_m(&self) -> f64 {
+        self.casters.iter().map(|caster| caster.instance.world_bounds.radius()).fold(0.0, f64::max)
+    }
+}
+
+/// The index list of a caster's whole parts, or of a masked one with its corners; and a hash of what it was made from.
+fn list_of(
+    light: &LightContext<'_>,
+    caster: &MapCaster<'_>,
+    masked: Option<(usize, &Material)>,
+) -> (Arc<List>, u64) {
+    let instance = caster.instance;
+    let position = light.light().position;
+    let bits = position.to_array().map(f64::to_bits);
+    let whole: Vec<bool> = instance.materials.iter().map(|material| material.casts_whole()).collect();
+    let worn = masked.map(|(part, material)| {
+        // An image that was changed is another one.
+        let image = material.base_color_texture.and_then(|t| light.snapshot.images.get(&t.image));
+        let image = image.map(|image| Arc::as_ptr(image) as usize);
+        let cutoff = material.cutoff().unwrap_or_default().to_bits();
+        (part, image, format!("{:?}", material.base_color_texture), material.base_color.w.to_bits(), cutoff)
+    });
+    let key = hash_of((instance.pose_key, bits, caster.drawn, whole, worn));
+    let list = light.cache.get_or_compute("map triangles", key, || {
+        let triangles = triangles_of(caster, position, masked.map(|(part, _)| part));
+        match masked {
+            None => List {
+                indices: triangles.into_iter().flat_map(|t| instance.mesh.triangle(t as usize)).collect(),
+                corners: Vec::new(),
+            },
+            Some((_, material)) => {
+                let corners = masked_corners(instance, material, &triangles);
+                List { indices: (0..corners.len() as u32).collect(), corners }
+            }
+        }
+    });
+    (list, key)
+}
+
+/// The triangles of a caster's whole parts, or of its masked part, that are drawn.
+fn triangles_of(caster: &MapCaster<'_>, position: DVec4, part: Option<usize>) -> Vec<u32> {
+    let instance = caster.instance;
+    let topology = instance.mesh.topology();
+    let shape = CastShape::Own(topology);
+    let of_parts = |half| match part {
+        None => CasterFacing::new(instance, &shape, position, half),
+        Some(part) => CasterFacing::of_parts(instance, &shape, position, half, |other| other == part),
+    };
+    let is_solid = topology.orientation(&instance.world_from_local).is_some();
+    let (half, wanted) = match (caster.drawn, is_solid) {
+        (Drawn::Both, _) => (Half::Both, 0),
+        (Drawn::Front, true) => (Half::Lit, 0),
+        (Drawn::Back, true) => (Half::Unlit, 0),
+        // Of what is no solid, the front is where triangles are counter-clockwise.
+        (Drawn::Front, false) => (Half::Both, 1),
+        (Drawn::Back, false) => (Half::Both, -1),
+    };
+    let facing = of_parts(half);
+    facing.cast.iter().copied().filter(|t| wanted == 0 || facing.signs[*t as usize] == wanted).collect()
+}
+
+fn masked_corners(instance: &Instance, material: &Material, triangles: &[u32]) -> Vec<MapCorner> {
+    let mesh = instance.mesh.data();
+    let texture = material.base_color_texture;
+    let uvs = match texture.map(|texture| texture.tex_coord) {
+        Some(TexCoord::Second) => &mesh.second_uvs,
+        _ => &mesh.uvs,
+    };
+    let rows = texture.map(|texture| texture.transform).unwrap_or_default().rows().map(|row| row.as_dvec3());
+    let center = instance.world_bounds.center();
+    let corner = |vertex: u32| {
+        let uv = uvs.get(vertex as usize).copied().unwrap_or_default().as_dvec2().extend(1.0);
+        let alpha = f32::from(instance.mesh.color8(vertex)[3]) / 255.0;
+        MapCorner {
+            position: (instance.world_position(vertex) - center).as_vec3().to_array(),
+            alpha: material.base_color.w * alpha,
+            uv: [rows[0].dot(uv) as f32, rows[1].dot(uv) as f32],
+            cutoff: material.cutoff().unwrap_or_default(),
+            reading: texture.map_or(0, |texture| texture.reading_bits()),
+        }
+    };
+    triangles.iter().flat_map(|triangle| instance.mesh.triangle(*triangle as usize)).map(corner).collect()
+}
+
+fn shader(view: &LightView, with_slopes: bool, masked: bool, image: bool) -> Result<Shader, ShaderError> {
+    let perspective = matches!(view.depth, super::light_views::Depth::Perspective { .. });
+    let wanted =
+        [("MASKED", masked), ("BASE_COLOR_TEXTURE", image), ("PERSPECTIVE", perspective && with_slopes)];
+    let flags: Vec<&str> = wanted.into_iter().filter(|(_, wanted)| *wanted).map(|(flag, _)| flag).collect();
+    let fragment = match (with_slopes, masked) {
+        (true, _) => Some("slope"),
+        (false, true) => Some("holes"),
+        (false, false) => None,
+    };
+    Shader::composed("shadow_map_casters", &flags, "vertex", fragment)
+}

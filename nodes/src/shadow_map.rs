@@ -1,0 +1,113 @@
+//! `ShadowMap`: hard shadows looked up in a map of what the light sees.
+//!
+//! *The idea.* The scene is drawn once as the light sees it, depth only. A point is in shadow if the light sees something nearer
+//! than the point where the point would be. What is compared is texels: edges are as exact as texels are small. `pcf` texels
+//! along a side are compared for each point, and their answers averaged, never their depths.
+//!
+//! *Sources.* Williams 1978; Reeves, Salesin & Cook 1987 (comparing first, averaging after); the textbook chapter (003 §8.2 to
+//! 8.4); Dimitrov 2007 (cascades); Dou et al. 2014 and EEVEE (what a texel says is asked in its own plane).
+//!
+//! *What differs here.*
+//! - No bias. A texel holds the plane of what is seen as well as its depth, and hides the light only from what lies behind that
+//!   plane, and only if its own point lies before the receiver's: see common/shadow_maps.wgsl. Biases that are set are used as
+//!   the textbook says.
+//! - Windows show what casts and what receives, in fixed sizes at fixed places, so that nothing shimmers: see
+//!   [`crate::common::light_views`].
+//! - Maps are kept until light, caster or window change.
+//! - The triangles that are drawn are chosen on the CPU, once each, in f64.
+//!
+//! *Limits.* What is thinner than a texel, or behind such, is missed or seen too wide: edges are off by up to a texel, and with
+//! `pcf` blurred over as many. Relief finer than a texel may shadow itself. Of a light with a size this is the shadow from
+//! its centre. Factors are computed for each fragment, so four samples a pixel are refused.
+
+mod options;
+
+use shadowgraph_engine::plan::{CompareFunction, DrawState, MULTIPLY, Shader, ShaderError};
+use shadowgraph_engine::scene::{Instance, Params};
+use shadowgraph_engine::shadow::{
+    Channels, ColorTarget, Contribution, Draw, Geometry, LightContext, Options, Pass, PassList, ShadowError,
+    ShadowTechnique, Traits,
+};
+
+use crate::common::culling::shows_its_inside;
+use crate::common::light_views::MapSize;
+use crate::common::map_casters::{CasterBuffers, Drawn, casters_of};
+use crate::common::shadow_maps::{MapViews, ShadowMaps};
+pub use options::{Faces, MAX_BIAS, MAX_MAP_RESOLUTION, MIN_MAP_RESOLUTION, ShadowMap};
+
+impl ShadowTechnique for ShadowMap {
+    fn params(&self) -> Params {
+        self.to_params()
+    }
+
+    fn traits(&self) -> Traits {
+        Traits {
+            known_error: "texels: edges are off by up to one, and blurred over as many as pcf says; what is thinner is missed \
+                          or too wide, and relief that is finer may shadow itself",
+            ..Traits::default()
+        }
+    }
+
+    fn casts(&self, instance: &Instance) -> Result<bool, String> {
+        Ok(instance.materials.iter().any(|material| material.casts_whole() || material.casts_by_texel()))
+    }
+
+    fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
+        if light.view.receiver_bounds.is_empty() {
+            return Ok(Contribution::default());
+        }
+        let casters = casters_of(light, out, |instance| self.drawn(light, instance));
+        let size = MapSize { texels: self.resolution, margin: 0.5 * f64::from(self.pcf) + 1.5 };
+        let views = MapViews::new(light, &casters, size, self.cascades);
+        if views.is_empty() {
+            return Ok(Contribution::default());
+        }
+        let buffers = CasterBuffers::new(light, out, casters);
+        let Some(maps) = ShadowMaps::new(light, out, &buffers, &views, self.biases())? else {
+            return Ok(Contribution::default());
+        };
+        let mut flags = views.flags();
+        flags.extend(self.biases().map(|_| "BIASED"));
+        let shader = self.look_up(&flags)?;
+        let state = DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]);
+        let draw = Draw::new("look up", Geometry::fullscreen(shader), state).reading(maps.bindings(out));
+        let (name, pcf) = (&light.light().name, self.pcf);
+        out.pass(Pass {
+            name: format!("look up {name}"),
+            reason: format!("{pcf} x {pcf} texels compared at every pixel"),
+            colors: vec![ColorTarget::VISIBILITY],
+            depth: None,
+            draws: vec![draw],
+        });
+        Ok(Contribution::visibility(Channels::One))
+    }
+}
+
+impl ShadowMap {
+    /// The shader that compares so many texels.
+    fn look_up(&self, flags: &[&str]) -> Result<Shader, ShaderError> {
+        let taps = format!("const TAPS: i32 = {};\n", self.pcf);
+        let source = shadowgraph_shaders::compose_replacing("shadow_map", flags, "common/map_taps", &taps)?;
+        let name = format!("shadow_map of {} texels {}", self.pcf, flags.join(" "));
+        Ok(Shader::of(&name, source, "fullscreen_vertex", Some("darken")))
+    }
+
+    /// Which triangles of an instance are drawn.
+    fn drawn(&self, light: &LightContext<'_>, instance: &Instance) -> Drawn {
+        match self.faces {
+            Faces::Front => Drawn::Front,
+            Faces::Back => Drawn::Back,
+            Faces::Both => Drawn::Both,
+            Faces::Auto if self.biases().is_none() => Drawn::Both,
+            Faces::Auto => {
+                let topology = instance.mesh.topology();
+                let is_solid = topology.orientation(&instance.world_from_local).is_some();
+                let position = light.light().position;
+                let in_local = instance.world_from_local.inverse().transform_point3(position.truncate());
+                let seen_from_within = shows_its_inside(instance, topology)
+                    || (position.w > 0.0 && topology.may_enclose(in_local));
+                if is_solid && !seen_from_within { Drawn::Back } else { Drawn::Both }
+            }
+        }
+    }
+}
