@@ -22,14 +22,13 @@ use super::lights::{self, ReceiverPasses};
 use super::request::FrameError;
 use super::resolve;
 use super::schedule::{Inputs, Needs, Schedule, Scope, Seen};
-use super::seen::{self, no_triangle};
+use super::seen;
 use super::shading::factor_bindings;
 use super::sorted::Sorted;
 use crate::plan::{
-    Access, Antialias, BlendState, CompareFunction, DepthId, DrawState, LightPlanned, Load, PulledStyle,
-    Resource, Shader, ShaderError, SlotId, SurfaceStyle,
+    Access, Antialias, CompareFunction, DepthId, DrawState, LightPlanned, Resource, SlotId, SurfaceStyle,
 };
-use crate::shadow::{Apply, Binding, ColorTarget, DepthTarget, Draw, Layer, Layers, Pass, hash_of};
+use crate::shadow::{Apply, Binding, DepthTarget, Draw, Layer, Layers, Pass, hash_of};
 
 /// The most layers a frame draws: each takes its passes, and so does each light on it.
 const MAX_LAYERS: u32 = 1024;

@@ -6,10 +6,10 @@ use super::request::FrameError;
 use super::resolve::fullscreen;
 use super::schedule::{Inputs, Needs, RECEIVER_PLANES, Schedule, Scope, Seen};
 use crate::plan::{
-    Access, BlendState, CompareFunction, DrawState, Load, ShaderError, SlotId, Symbol, TextureDesc,
-    TextureFormat,
+    Access, BlendState, CompareFunction, DrawState, Load, PulledStyle, Shader, ShaderError, SlotId, Symbol,
+    TextureDesc, TextureFormat,
 };
-use crate::shadow::{Binding, ColorTarget, DepthTarget, Pass};
+use crate::shadow::{Binding, ColorTarget, DepthTarget, Draw, Pass};
 
 /// Where nothing is seen.
 const NO_PLANE: Load = Load::Clear([0.0; 4]);

@@ -17,10 +17,10 @@ use super::scene::Scene;
 use super::surface::{Surface, draw_kinds};
 use super::{Executor, GpuSlot};
 use crate::plan::{
-    Antialias, Binding, BlendState, CompareFunction, Draw, FactorAt, FramePlan, Geometry, Pass, PulledStyle,
-    Shader, SlotId, SlotKind, SurfaceStyle,
+    Antialias, Binding, BlendState, CompareFunction, Draw, FactorAt, Geometry, Pass, PulledStyle, Shader,
+    SlotId, SurfaceStyle,
 };
-use crate::scene::{Instance, Material, SceneSnapshot};
+use crate::scene::{Instance, Material};
 
 /// The flags of surface_shade for what a draw reads, by binding number (the depth of samples is number 3, weights of
 /// shadows number 7), and at numbers that no binding has: whether a visibility has one channel, whether any light has
