@@ -10,7 +10,7 @@
 //! edges that each receiver finds for itself.
 //!
 //! *What differs here.*
-//! - The silhouette is that of the receiver's point, not of the light's centre: which edges are can be told from two planes.
+//! - The silhouette is that of the receiver's point, not of the light's centre: which edges belong to it follows from two planes.
 //! - Samples are counted as integers, signs are taken once for each triangle and point: any mesh, any overlap is exact.
 //! - The lists of edges are looked up in a grid the light looks through, kept until a caster or the light moves.
 //! - No bias anywhere: p's own plane is found by the rounding of p, and the part of the light beyond it is dark.

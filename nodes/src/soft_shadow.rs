@@ -90,17 +90,18 @@ impl ShadowTechnique for SoftShadow {
         let lit: Vec<Lit> = receivers.iter().map(|receiver| Lit::new(self, light, receiver)).collect();
         // Turned to the light or away from it as a whole, a receiver's own shadow is the engine's to know, unless another
         // node's disc reaches over its horizon.
+        let cut = lit.iter().any(|lit| lit.is_cut());
         let is_wide = self.light_size().is_wide(light.light().position);
-        let horizons = lit.iter().any(|lit| lit.is_cut()) || (is_wide && light.is_beside_size());
+        let may_be_left_to_nodes = cut || (is_wide && light.is_beside_size());
         let (mut in_picture, mut shades) = (BTreeMap::new(), false);
         for (receiver, lit) in receivers.iter().zip(&lit) {
-            if horizons || !lit.is_dark() {
+            if may_be_left_to_nodes || !lit.is_dark() {
                 shades |= self.shade(light, out, (receiver, lit), &mut in_picture)?;
             }
         }
         Ok(Contribution {
             visibility: shades.then_some(Channels::One),
-            own_shadow: horizons,
+            own_shadow: cut,
             apply: Apply::Light { weight: self.weight, color: self.color },
             ..Contribution::default()
         })

@@ -1,4 +1,4 @@
-// What becomes of layers: the factor of one light on one of them, and the picture of all of them.
+// Images of transparent layers: the factor of one light on one layer, and the picture with all layers blended in.
 
 #import common/frame
 #import common/fullscreen

@@ -75,7 +75,7 @@ modules![
     "transparent_shadow",
 ];
 
-/// What a material's own surface function can see: `common/surface`.
+/// The WGSL that a material's own surface function can use: the text of `common/surface`.
 pub const SURFACE: &str = include_str!("common/surface.wgsl");
 
 /// Why a shader could not be composed.
@@ -109,8 +109,8 @@ pub fn compose_named(name: &str, flags: &[&str]) -> Result<String, ShaderError> 
     }
 }
 
-/// Composes a module of this crate with `flags`; where it imports the module `replaced`, `text` stands instead. For what
-/// is better written by a program than by hand.
+/// Composes a module of this crate with `flags`, with `text` in place of the module `replaced` that it imports: for text that
+/// a program writes.
 ///
 /// # Errors
 /// As [`compose_named`]; an unknown `replaced` is an unknown import too.

@@ -1,5 +1,5 @@
-// A buffer of words as a texture, four words to a texel: what is looked up at many places at every pixel. Software adapters
-// read a texel for all pixels of a group together, and a storage buffer word by word and pixel by pixel.
+// Copies a buffer of words into a texture, four words to a texel, for look-ups at many places at every pixel: software adapters
+// read texels for all pixels of a group together, but storage buffers word by word and pixel by pixel.
 
 #import common/fullscreen
 

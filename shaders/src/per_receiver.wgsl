@@ -8,7 +8,7 @@
 #import common/soft_question
 #import common/disc_coverage
 
-// Larger discs, of receivers at the light, are all but half of what is seen.
+// Radii are clamped to this: larger discs, seen from receivers at the light, fill nearly half of the directions anyway.
 const LARGEST_DISC: f32 = 1e6;
 
 // From this part of the way to the light on, rounding does not move edges in the receiver's plane across the centre.
@@ -68,7 +68,7 @@ fn share_of(t: SeenTriangle, r: Receiver, k: f32, disc: DiscView) -> f32 {
     return select(f32(select(-side, side, (t.bits & 1u) != 0u)) * share, of_center, r.k == 0.0);
 }
 
-// The share that triangles cover which are asked one by one.
+// The share that the triangles cover that are tested one by one.
 fn nearby_share(lists: Lists, r: Receiver, k: f32, disc: DiscView) -> f32 {
     var share = 0.0;
     var walk = near_walk(lists);
@@ -121,8 +121,8 @@ fn per_receiver(in: SoftVaryings) -> @location(0) vec4f {
     }
 #if CASTERS
     if seen > 0.0 {
-        // What lies in the receiver's plane is in nobody's way, and rounding is not to lift it. Where the centre itself is
-        // about in that plane, it is taken to be below the horizon: its side of what lies there is not sure.
+        // What lies in the receiver's plane hides nothing, and rounding must not lift it out. A centre close to that plane is
+        // taken to be below the horizon, since its side of what lies there is not certain.
         disc.margin = abs(dot(n, r.step)) / 8.0 + ROUNDING * r.distance;
         let unsure = clamp(disc.margin / (NEAREST * r.light_distance), 1e-6 * steep, 0.02 * steep);
         disc.lift = select(0.0, disc.horizon.z + unsure, disc.dips && abs(disc.horizon.z) < unsure);

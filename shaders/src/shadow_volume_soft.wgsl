@@ -225,7 +225,7 @@ fn hidden_by(t: SeenTriangle, r: Receiver, round: u32) -> vec2u {
     return select(select(beyond & through, of_center, r.k == 0.0), vec2u(0u), t.side == 0);
 }
 
-// Samples that triangles hide which are asked one by one.
+// Samples that the triangles hide that are tested one by one.
 fn hidden_nearby(lists: Lists, r: Receiver, round: u32) -> vec2u {
     var hidden = vec2u(0u);
     var walk = near_walk(lists);
@@ -261,8 +261,8 @@ fn sampled(in: SoftVaryings) -> @location(0) vec4f {
     let r = with_frame(q.r, position.xy, textureLoad(receiver_depth, vec2u(position.xy), 0), q.normal, q.at);
     // Within the light, only the centre counts: a disc without extent.
     let sample_count = select(SAMPLE_COUNT, 1u, r.k == 0.0);
-    // A centre that by rounding may lie in the surface's plane does so. Of depth far fewer ulps are lost than a step has: there is
-    // room in it for what positions lose.
+    // A centre that rounding may place in the surface's plane counts as in it. A step is many more ulps than depth loses, which
+    // leaves room for what positions lose.
     let rounding = ROUNDING * (2.0 * r.distance + r.light_distance);
     let uncertain = max(abs(dot(q.n, r.step)), rounding) / r.light_distance;
     let height = q.height - select(0.0, uncertain, r.k == 0.0);

@@ -68,7 +68,7 @@ fn receiver(@builtin(vertex_index) corner: u32, @builtin(instance_index) instanc
     return out;
 }
 
-// Whether a fragment is none of the receiver: in a hole, or of a triangle on which another lies that is seen.
+// Whether a fragment does not show the receiver: it is in a hole, or of a triangle with another, visible one over it.
 fn is_left_out(in: Varyings) -> bool {
     var left_out = false;
 #if MASKED

@@ -57,7 +57,7 @@ fn plane_of(instance: u32, first: u32) -> ReceiverPlane {
     } else if dot(bc, bc) == longest {
         n = cross(scaled(ca), scaled(ab));
     }
-    // Where it is, the nearest corner says: farther ones carry larger roundings.
+    // The offset is taken from the nearest corner: farther ones carry larger roundings.
     let a_in_view = view_from_local(instance, a);
     let b_in_view = view_from_local(instance, b);
     let c_in_view = view_from_local(instance, c);

@@ -1,5 +1,5 @@
-// The next layer of transparent surfaces: what is nearest of all that lies behind the last layer and before the opaque
-// surface. Of surfaces at one depth the first drawn is the nearer layer, so that every surface is a layer once.
+// The next layer of transparent surfaces: the nearest that lies behind the last layer and before the opaque surface.
+// Of surfaces at one depth the first drawn is the nearer layer, so that every surface is a layer once.
 
 #import common/frame
 #import common/positions

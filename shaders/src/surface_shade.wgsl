@@ -259,7 +259,7 @@ fn mapped_normal(n: vec3f, p: vec3f, uvs: Uvs) -> vec3f {
 }
 #endif
 
-// Whether normals alone say where the night of light number `light` begins.
+// Whether the terminator of light number `light` follows the shading normals on this instance.
 fn ends_smooth(in: Varyings, light: u32) -> bool {
 #if SMOOTH_TERMINATOR
     return light < 32u && (in.smooth_terminators >> (light & 31u) & 1u) == 1u;
@@ -271,7 +271,7 @@ fn ends_smooth(in: Varyings, light: u32) -> bool {
 // What `light`, number `number`, adds to the outgoing radiance.
 fn lit_by(light: Light, number: u32, s: Surface, pixel: vec2u, receives: u32, smooth_end: bool) -> vec3f {
     let incoming = illumination(light, s.p_in_view);
-    // Light from behind the surface proper lights nothing, whatever a smooth normal says, unless it was asked for.
+    // The terminator is geometric, whatever the shading normal says, unless a smooth one is asked for.
     var behind = !smooth_end && dot(s.geometric_in_view, incoming.towards) <= 0.0;
 #if OWN_SHADOW
     behind = behind & (light.own_shadow == 0u);

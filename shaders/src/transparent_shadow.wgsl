@@ -169,12 +169,11 @@ fn transmit_counts(in: ClassVaryings) -> @location(0) vec4f {
     return vec4f(product, 1.0);
 }
 
-// What a sum of binary logarithms is counted in.
+// The grid's step, for sums of binary logarithms.
 @group(1) @binding(1) var<storage, read> log_unit: array<f32>;
 
 // Equation 3 of Kim, Kim & Turk, for plain logarithms and for those on a grid, whose sums are exact. At the very edge of a
-// shadow rounding may take one side of a volume to be before what is seen, and not the other: nothing is lit through fewer
-// surfaces than none.
+// shadow rounding may place only one side of a volume before what is seen; a sum above 0 then counts as 0.
 @fragment
 fn transmit_logarithms(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let sum = textureLoad(sums, vec2u(position.xy), 0).rgb;
@@ -184,8 +183,8 @@ fn transmit_logarithms(@builtin(position) position: vec4f) -> @location(0) vec4f
     return vec4f(exp2(min(sum, vec3f(0.0)) * log_unit[0]), 1.0);
 }
 
-// Their equation 2. A product that left the format's range is no number any more: it counts as dark. Nothing is lit through
-// fewer surfaces than none, here either.
+// Equation 2 of Kim, Kim & Turk. A product beyond the format's range is infinite or NaN and counts as dark. A product above 1, from
+// rounding at a shadow's edge, counts as 1.
 @fragment
 fn transmit_product(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let product = textureLoad(sums, vec2u(position.xy), 0).rgb;

@@ -144,7 +144,7 @@ impl FromStr for TechniqueArg {
     }
 }
 
-/// Numbers and yes or no are told from words by their looks; numbers joined by `/` are a list.
+/// What reads as a number or as yes or no is one, everything else is a word; numbers joined by `/` are a list.
 fn param_value(text: &str) -> ParamValue {
     if let Ok(number) = text.parse::<f64>()
         && number.is_finite()

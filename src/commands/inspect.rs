@@ -35,7 +35,7 @@ pub(crate) struct InspectArgs {
 /// Lines of one kind that the summary has at most.
 const MOST_LINES: usize = 16;
 
-/// More solids than this are told about together: there is nothing to say about each.
+/// More solids than this are described together, not one by one.
 const MOST_SOLIDS: usize = 8;
 
 /// What the summary calls a solid.

@@ -7,11 +7,15 @@ use shadowgraph::cases::{self, Case};
 use shadowgraph::measure::{Measured, Reference, ReferenceImage, queries};
 use shadowgraph::prelude::*;
 
-/// Every case that default options accept.
-fn accepted(renderer: &mut Renderer) -> Vec<Case> {
+/// Of the cases that default options accept every third from `first` on: whether each is right, conformance asks of all. With
+/// `CASE=` or `EVERY_CASE=1` all of them.
+fn accepted(renderer: &mut Renderer, first: usize) -> Vec<Case> {
     let filter = std::env::var("CASE").unwrap_or_default();
+    let every = !filter.is_empty() || std::env::var_os("EVERY_CASE").is_some();
+    let (first, step) = if every { (0, 1) } else { (first, 3) };
     let cases = cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST));
-    let mut cases: Vec<Case> = cases.filter(|case| case.name().contains(&filter)).collect();
+    let cases = cases.filter(|case| case.name().contains(&filter));
+    let mut cases: Vec<Case> = cases.skip(first).step_by(step).collect();
     cases.retain(|case| match renderer.plan(&case.scene, &request(case)) {
         Ok(_) => true,
         Err(RenderError::Shadow(_) | RenderError::Frame(_)) => false,
@@ -155,7 +159,7 @@ fn every_option_gives_the_same_factors() {
     let mut accepted_by = [0; OPTIONS];
     let mut totals = [Differing::default(); OPTIONS];
     let mut failures = Vec::new();
-    let cases = accepted(&mut renderer);
+    let cases = accepted(&mut renderer, 0);
     for case in &cases {
         let reference = reference(&mut renderer, case);
         let first = shadowgraph_testing::measure(&mut renderer, &case.scene, &request(case)).unwrap();
@@ -191,7 +195,7 @@ fn draw_order_does_not_matter() {
     let Some(mut renderer) = shadowgraph_testing::renderer() else { return };
     let mut failures = Vec::new();
     let mut total = Differing::default();
-    for case in &accepted(&mut renderer) {
+    for case in &accepted(&mut renderer, 1) {
         let reference = reference(&mut renderer, case);
         let first = shadowgraph_testing::measure(&mut renderer, &case.scene, &request(case)).unwrap();
         // Hanging every root up again at the end, last first, reverses meshes and lights alike.
@@ -219,7 +223,7 @@ fn draw_order_does_not_matter() {
 fn merged_and_separate_passes_give_the_same_bits() {
     let Some(mut renderer) = shadowgraph_testing::renderer() else { return };
     let mut failures = Vec::new();
-    for case in &accepted(&mut renderer) {
+    for case in &accepted(&mut renderer, 2) {
         for (factors, picture) in [(false, PictureFormat::Srgb8), (true, PictureFormat::LinearF32)] {
             let request = FrameRequest { factors, picture, ..request(case) };
             let [merged, separate] = [Timing::Off, Timing::Passes].map(|timing| {
@@ -246,7 +250,7 @@ fn asking_for_factors_does_not_change_the_picture() {
     let Some(mut renderer) = shadowgraph_testing::renderer() else { return };
     let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
     let mut failures = Vec::new();
-    for case in &accepted(&mut renderer) {
+    for case in &accepted(&mut renderer, 0) {
         let [plain, measured] = [false, true].map(|factors| {
             let request = FrameRequest { factors, ..request(case) };
             renderer.render(&case.scene, &request, &options).unwrap().picture.unwrap()
@@ -263,7 +267,7 @@ fn asking_for_factors_does_not_change_the_picture() {
 fn an_unmoved_scene_is_drawn_again_without_work() {
     let Some(mut renderer) = shadowgraph_testing::renderer() else { return };
     let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
-    for case in &accepted(&mut renderer) {
+    for case in &accepted(&mut renderer, 1) {
         let request = FrameRequest { factors: true, ..request(case) };
         let before = renderer.work_done();
         let first = renderer.render(&case.scene, &request, &options).unwrap();
@@ -291,7 +295,7 @@ fn moving_there_and_back_gives_the_first_frame_again() {
     };
     let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
     let mut moved_pictures = 0;
-    for case in &accepted(&mut renderer) {
+    for case in &accepted(&mut renderer, 2) {
         let request = FrameRequest { factors: true, ..request(case) };
         let mut scene = case.scene.clone();
         let first = renderer.render(&scene, &request, &options).unwrap();
@@ -314,6 +318,6 @@ fn moving_there_and_back_gives_the_first_frame_again() {
         assert!(moved.factors == anew.factors, "{}: the moved factors hold something stale", case.name());
     }
     if std::env::var_os("CASE").is_none() {
-        assert!(moved_pictures > 50, "moving changed the factors of {moved_pictures} cases only");
+        assert!(moved_pictures > 20, "moving changed the factors of {moved_pictures} cases only");
     }
 }

@@ -1,8 +1,8 @@
-//! What is known to be wrong, and why: listed so that whoever mends it sees it, and nothing else is excused.
+//! What is known to be wrong, and why: all of it, so that nothing else is excused.
 
 use super::tolerances::{HARD, PLANAR, SOFT};
 
-/// A case or step of a sweep that is known to be wrong, and why: runnable, so that whoever mends it sees it.
+/// A case or step of a sweep that is known to be wrong, and why. It still runs, so that mending it shows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Known {
     /// The technique's type name.
@@ -54,22 +54,6 @@ pub(crate) const KNOWN_ON_CASES: &[Known] = &[
             "soft-lamp-on-corner/1e-6-m-ortho",
         ],
         why: "areas of a disc of a micrometre keep few digits, and on the edge of the light's own sphere no bound of areas holds",
-    },
-    Known {
-        technique: "Reference",
-        settings: &["default"],
-        cases: &["turned-from-centre"],
-        why: "beside a node for a light with a size it darkens what turns away from the light's centre, as if it were alone",
-    },
-    Known {
-        technique: PLANAR,
-        settings: &["64 samples", "256 samples"],
-        cases: &[
-            "turned-from-centre/from-behind",
-            "turned-from-centre/with-a-box-on-it",
-            "turned-from-centre/grid",
-        ],
-        why: "beside another node for a light with a size, both leave out what is beyond the horizon, where one should",
     },
     Known {
         technique: HARD,

@@ -1,5 +1,5 @@
 //! A wide floor that casts: its rim hangs sides of its own all around the view, right behind lit surfaces seen at
-//! grazing angles. They must cancel nobody's count.
+//! grazing angles. They must cancel no other caster's count.
 
 use shadowgraph::demo;
 use shadowgraph::measure::evaluate;

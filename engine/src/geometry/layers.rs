@@ -27,7 +27,7 @@ pub struct LayerGrid {
 
 impl LayerGrid {
     /// An empty grid for the homogeneous `light`, fitted to casters within `bounds` (in the world) and to about
-    /// `triangle_count` of them. Neither has to hold: the bound stays one, and gets less tight.
+    /// `triangle_count` triangles. With others the bound still holds, but is less tight.
     pub fn new(light: DVec4, bounds: &Aabb, triangle_count: usize) -> Self {
         Self::with_detail(light, bounds, triangle_count, 1)
     }

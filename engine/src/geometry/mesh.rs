@@ -33,7 +33,7 @@ pub struct MeshData {
     pub parts: Vec<Part>,
     /// Which joints move each vertex, for meshes that are skinned.
     pub influences: Vec<Influences>,
-    /// The shapes it can blend to.
+    /// The shapes that it can blend to.
     pub morphs: Vec<MorphTarget>,
 }
 
@@ -209,7 +209,7 @@ impl Mesh {
         about(self.shader_origin(), self.data.positions[vertex as usize])
     }
 
-    /// All vertices so.
+    /// All vertices as shaders see them.
     pub fn shader_positions(&self) -> Vec<Vec3> {
         let origin = self.shader_origin();
         self.data.positions.iter().map(|position| about(origin, *position)).collect()

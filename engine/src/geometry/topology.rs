@@ -103,11 +103,6 @@ impl Topology {
         Self::measured(Arc::new(Tables::new(representative, indices)), positions)
     }
 
-    /// Whether the two share their tables: the same triangles over the same welded vertices, found once.
-    pub fn shares_tables(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.tables, &other.tables)
-    }
-
     fn measured(tables: Arc<Tables>, positions: &[Vec3]) -> Self {
         let mut topology = Self { tables, components: Vec::new(), closedness: Closedness::default() };
         topology.components = components::describe(&topology, positions);
@@ -126,17 +121,6 @@ impl Topology {
     /// When there is no such edge.
     pub fn uses(&self, edge: usize) -> &[EdgeUse] {
         self.tables.uses(edge)
-    }
-
-    /// The uses of all edges, one edge after another: with [`Topology::first_uses`] the CSR table as it goes to the
-    /// GPU.
-    pub fn all_uses(&self) -> &[EdgeUse] {
-        &self.tables.uses
-    }
-
-    /// For every edge the place of its first use in [`Topology::all_uses`], and the number of uses as last entry.
-    pub fn first_uses(&self) -> &[u32] {
-        &self.tables.first_use
     }
 
     /// The welded corners of every triangle, in the triangle's own order, as indices into the mesh's positions.
@@ -168,8 +152,8 @@ impl Topology {
     /// The signs that turn every component outwards in the world; `None` unless every component is a solid
     /// ([`Component::is_solid`]) and the transform keeps it one (its linear part is not singular).
     ///
-    /// `None` means that the mesh must be treated as a soup. So it must where a light may stand inside the solid:
-    /// see [`Topology::may_enclose`].
+    /// Without them the mesh must be treated as a soup, and so must a solid within which a light may stand: see
+    /// [`Topology::may_enclose`].
     pub fn orientation(&self, world_from_local: &glam::DAffine3) -> Option<Orientation<'_>> {
         Orientation::new(self, world_from_local)
     }
@@ -305,7 +289,7 @@ mod tests {
         {
             let topology = Topology::new(&positions, &indices);
             assert!(topology.edges().is_empty() && topology.components().is_empty());
-            assert_eq!(topology.first_uses(), [0]);
+            assert_eq!(topology.tables.first_use, [0]);
             assert_eq!(topology.closedness().degenerate_triangles, indices.len() / 3);
             assert!(topology.orientation(&DAffine3::IDENTITY).is_some());
         }

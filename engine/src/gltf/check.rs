@@ -70,7 +70,7 @@ pub(super) struct Finding {
     /// The name of the thing, where it has one.
     name: Option<String>,
     problem: String,
-    /// Nobody reads it, or whoever does knows better.
+    /// It does not refuse the file: nothing reads the field, or its reader copes with it.
     pub(super) harmless: bool,
 }
 

@@ -1,7 +1,7 @@
 //! The JSON of a glTF file, section by section, as plain values.
 //!
-//! Nothing is read before something needs it: files hold accessors, buffers and materials that nothing uses, and what
-//! those say is nobody's harm. What is used is checked first ([`Document::used`], by the tables of `shapes`).
+//! Nothing is read before something needs it: files hold accessors, buffers and materials that nothing uses, and faults in
+//! those do no harm. What is used is checked first ([`Document::used`], by the tables of `shapes`).
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -312,7 +312,7 @@ fn check_required(rest: &Map<String, Value>) -> Result<(), GltfError> {
     Ok(())
 }
 
-/// Refuses JSON whose parsed form would take memory out of all proportion.
+/// Refuses JSON whose parsed form would take many times the memory of its text.
 fn check_size(bytes: &[u8]) -> Result<(), GltfError> {
     let (mut objects, mut values) = (0, 0);
     for byte in bytes {

@@ -16,7 +16,7 @@ use crate::scene::{NodeKey, ParamValue, Params, Scope, ShadowNode};
 /// The extension's name.
 pub const SHADOW_NODE: &str = "SHADOWGRAPH_shadow_node";
 
-/// Knows the shadow techniques there are; asked about every shadow node that is loaded.
+/// Checks the types and options of the shadow nodes that are loaded.
 pub trait ShadowTypes {
     /// Checks that the node's technique exists and takes its parameters.
     ///

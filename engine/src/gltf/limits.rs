@@ -108,7 +108,7 @@ fn take(left: &mut u64, limit: u64, bytes: u64, what: &str) -> Result<(), GltfEr
     }
 }
 
-/// The most different warnings kept; a file with more is told so once.
+/// The most different warnings kept; a last one says that there were more.
 const MAX_WARNINGS: usize = 100;
 
 /// What was left out while loading, each thing once.

@@ -76,8 +76,8 @@ pub struct LoadOptions<'a> {
     pub shadow_types: Option<&'a dyn ShadowTypes>,
     /// Whether buffers and images may lie outside the scene's folder: a file from elsewhere may name any of yours.
     pub outside_files: bool,
-    /// The most bytes that meshes and images may take in memory, images at most half of it; 2 GiB left out. What they
-    /// take is reckoned from headers and counts before any is decoded.
+    /// The most bytes that meshes and images may take in memory, images at most half of it; 2 GiB when left out.
+    /// Sizes are computed from headers and counts, before anything is decoded.
     pub memory_budget: Option<u64>,
 }
 

@@ -74,7 +74,7 @@ pub(super) fn camera(item: &Item<'_>, node: &str) -> Result<Camera, GltfError> {
     let projection = if kind == "perspective" {
         Projection::Perspective { fov_y_rad: needed("yfov")?, near_m: needed("znear")? }
     } else {
-        // Negative magnifications are valid glTF, though not advised: they turn the picture over, which nobody means.
+        // Negative magnifications are valid glTF, though not advised: they turn the picture over, which is not intended.
         let half_height_m = needed("ymag")?.abs();
         Projection::Orthographic { half_height_m, near_m: needed("znear")?, far_m: needed("zfar")? }
     };

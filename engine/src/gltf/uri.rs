@@ -58,7 +58,7 @@ pub(super) fn problem(uri: &str, is_image: bool) -> Option<String> {
             return Some("its data URI has no comma before its data".into());
         };
         let header = header.to_ascii_lowercase();
-        // Escapes aside, it is told by its letters alone: what is used is decoded elsewhere, and may be large.
+        // Only its characters are checked here: what is used is decoded elsewhere, and may be large.
         let letter = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'+' | b'/' | b'=' | b'%');
         if header.ends_with(";base64") && !data.bytes().all(letter) {
             return Some("its data URI is not valid base64".into());
@@ -118,7 +118,7 @@ pub(super) fn read(item: &str, uri: &str, files: &Files, budget: &mut Budget) ->
         files.base_dir.as_ref().ok_or_else(|| wrong("names a file, but no base directory was given"))?;
     let path = folder.join(path);
     let io = |source| GltfError::Io { path: path.display().to_string(), source };
-    // What is no file is told as such, wherever it is.
+    // What is no file is reported as such, wherever it is.
     if !std::fs::metadata(&path).map_err(io)?.is_file() {
         return Err(GltfError::NotAFile { path: path.display().to_string() });
     }

@@ -71,7 +71,7 @@ pub enum GpuError {
 }
 
 impl GpuError {
-    /// What is wrong with a shader, told of the material whose own function is in it.
+    /// What is wrong with a shader, as an error of the material whose own function is in it.
     pub(super) fn of(self, material: &Material, function: &SurfaceFunction, gpu: &Gpu) -> Self {
         match self {
             Self::Shader { message, .. } | Self::Pipeline { message, .. } => Self::SurfaceFunction {
@@ -98,7 +98,7 @@ pub struct Gpu {
     pub features: wgpu::Features,
     /// The limits the device was opened with.
     pub limits: wgpu::Limits,
-    /// The formats in which it has targets of four samples.
+    /// The formats in which the adapter has targets of four samples.
     pub multisampled: Arc<[wgpu::TextureFormat]>,
     /// The most bytes a frame may have on the GPU; more is refused before anything is allocated.
     pub budget_bytes: u64,
@@ -107,7 +107,7 @@ pub struct Gpu {
     reopen: Option<Reopen>,
 }
 
-/// The budget of a device nobody set another for: most adapters that run today have as much.
+/// The budget of a device for which no other was set: most of today's adapters have as much memory.
 pub const DEFAULT_BUDGET_BYTES: u64 = 4 << 30;
 
 /// Where another device comes from when one is lost.
@@ -203,7 +203,7 @@ impl Gpu {
         Ok(Self::from_device(device, queue).reopened_by(move || open_device(&choice)))
     }
 
-    /// Uses a device that somebody else opened. Its uncaptured errors are handled here from now on.
+    /// Uses a device that the caller opened. Its uncaptured errors are handled here from now on.
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let errors = Arc::new(Mutex::new(Vec::new()));
         let sink = Arc::clone(&errors);
@@ -232,7 +232,7 @@ impl Gpu {
         }
     }
 
-    /// This device, and where another comes from when it is lost.
+    /// This device, and how to open another when it is lost.
     #[must_use]
     pub fn reopened_by(
         self,
@@ -250,7 +250,7 @@ impl Gpu {
     /// Another device in place of this one, which was lost.
     ///
     /// # Errors
-    /// [`GpuError::Lost`] where nobody said where another comes from; whatever opening it reports.
+    /// [`GpuError::Lost`] where nothing says how to open another ([`Gpu::reopened_by`]); whatever opening it reports.
     pub fn reopened(&self) -> Result<Self, GpuError> {
         let Some(reopen) = &self.reopen else {
             let reason = self.lost_reason().unwrap_or_else(|| "unknown".into());
@@ -279,7 +279,7 @@ impl Gpu {
     /// [`GpuError::Lost`] for good once the device is; [`GpuError::OutOfMemory`] and [`GpuError::Device`] with the
     /// device's own message.
     pub fn check(&self) -> Result<(), GpuError> {
-        // Losses are told while the device is polled.
+        // A device reports its loss only while it is polled.
         let polled = self.device.poll(wgpu::PollType::Poll);
         let mut errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner);
         let first = errors.drain(..).next();

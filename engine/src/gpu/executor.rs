@@ -27,6 +27,7 @@ mod attachments;
 pub(super) mod budget;
 mod encode;
 mod kept;
+mod scene;
 mod surface;
 mod timestamps;
 
@@ -213,7 +214,7 @@ impl Executor {
 
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let scene =
-            encode::Scene { plan, snapshot: inputs.snapshot, slots: &slots, frame_group: &frame_group };
+            scene::Scene { plan, snapshot: inputs.snapshot, slots: &slots, frame_group: &frame_group };
         for (index, group) in groups.iter().enumerate() {
             let writes = stamps.as_ref().map(|stamps| stamps.around(index as u32));
             self.encode_group(&scene, group, writes, &mut encoder)?;

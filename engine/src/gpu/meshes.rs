@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use super::executor::budget::check_buffer;
+use super::limits::check_buffer;
 use super::{Gpu, GpuError};
 use crate::geometry::Mesh;
 use crate::plan::BufferUsage;

@@ -4,6 +4,7 @@ mod bindings;
 mod context;
 mod executor;
 mod groups;
+mod limits;
 mod materials;
 mod meshes;
 mod pipelines;

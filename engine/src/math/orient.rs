@@ -27,18 +27,19 @@ pub fn orient_sign(ab: DVec3, ac: DVec3, d: DVec3) -> i32 {
     if det.abs() > ORIENT_EPSILON * permanent { if det > 0.0 { 1 } else { -1 } } else { 0 }
 }
 
-/// What a world position has lost, relative to the largest coordinate around: an f32 position under an f64 transform loses
-/// about 4·2⁻⁵³ in each coordinate, and a determinant of differences feels it at most 2√3 times in each factor.
+/// The rounding error of a world position, relative to the largest coordinate nearby: an f32 position under an f64
+/// transform loses about 4·2⁻⁵³ in each coordinate, and a determinant of differences feels it at most 2√3 times in
+/// each factor.
 pub const POSITION_EPSILON: f64 = 4e-15;
 
-/// What directions and f32 positions tell of the angle between them: a sun that grazes a surface at less lights nothing of it,
-/// and what the surface hides from it is thinner than its corners are known.
+/// The least angle between a direction and a triangle that f32 positions can tell from 0, in radians. A sun that
+/// grazes a surface at less does not light it, and the shadow is thinner than the corners are known.
 const DIRECTION_EPSILON: f64 = 1.2e-7;
 
 /// The facing sign s_T of triangle (a, b, c) towards the homogeneous `light` (l, w): w = 1 a point at l, w = 0 a
-/// direction l *towards* the light. +1: the light sees the triangle counter-clockwise; 0: edge-on, for a direction
-/// within 1.2e-7 rad, or no area, or a point so near to the triangle's plane that positions, which have lost
-/// [`POSITION_EPSILON`] of their coordinates, do not tell.
+/// direction l *towards* the light. +1 where the light sees the triangle counter-clockwise, −1 where clockwise. 0
+/// where it has no area, is edge-on (for a direction within 1.2e-7 rad), or the point is so near to its plane that
+/// positions, with their error of [`POSITION_EPSILON`], cannot tell.
 pub fn facing_sign(a: DVec3, b: DVec3, c: DVec3, light: DVec4) -> i32 {
     let (ab, ac, d) = (b - a, c - a, light.truncate() - a * light.w);
     // A point next to a corner has a difference from it of which few digits are left.

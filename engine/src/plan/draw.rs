@@ -12,7 +12,7 @@ pub use shadowgraph_shaders::ShaderError;
 
 use super::SlotId;
 
-/// dst · src: how techniques draw into visibility targets.
+/// The target times the fragment's value: how techniques draw into visibilities.
 pub const MULTIPLY: BlendState = {
     let multiply = BlendComponent {
         src_factor: BlendFactor::Dst,
@@ -36,10 +36,10 @@ pub struct Shader {
 }
 
 impl Shader {
-    /// The shader `name` of this workspace's own WGSL with `flags`.
+    /// A shader of this workspace by its name, composed with `flags`.
     ///
     /// # Errors
-    /// What cannot be composed.
+    /// What cannot be composed: see [`shadowgraph_shaders::compose`].
     pub fn composed(
         name: &'static str,
         flags: &[&str],
@@ -50,10 +50,10 @@ impl Shader {
         Ok(Self::of(&[&[name], flags].concat().join(" "), source, vertex, fragment))
     }
 
-    /// A shader of one's own: WGSL that may import every common module of this workspace, with `flags`.
+    /// A shader of one's own: WGSL that may import every common module of this workspace, composed with `flags`.
     ///
     /// # Errors
-    /// What cannot be composed.
+    /// What cannot be composed: see [`shadowgraph_shaders::compose`].
     pub fn written(
         name: &str,
         text: &str,
@@ -65,16 +65,17 @@ impl Shader {
         Ok(Self::of(&[&[name], flags].concat().join(" "), source, vertex, fragment))
     }
 
-    /// A shader of this text.
+    /// A shader of WGSL that is composed already.
     pub fn of(name: &str, source: String, vertex: &'static str, fragment: Option<&'static str>) -> Self {
         let (name, source) = (name.into(), source.into());
         Self { name, source, vertex: vertex.into(), fragment: fragment.map(Into::into) }
     }
 }
 
-/// What the stencil beside receivers' depth holds where nothing was counted. Entering a volume counts one up from here, leaving it
-/// one down, and what is above is dark, up to 223. What is below is lit: nothing is left that was not entered, so there a side was taken to
-/// be before what it touches by the rounding of depths, as happens at surfaces thinner than a pixel.
+/// The stencil value beside the receivers' depth where nothing has counted. Entering a volume counts one up, leaving
+/// it one down; what ends above this value, up to 223, is dark. What ends below is lit: no volume is left that was
+/// not entered, so there rounding placed a side before the surface that it touches, as happens at surfaces thinner
+/// than a pixel.
 pub const STENCIL_AT_REST: u8 = 32;
 
 /// How a draw tests and changes the stencil, for both faces.
@@ -110,9 +111,9 @@ pub struct DrawState {
     pub depth_write: bool,
     /// Whether depths beyond near and far are clamped instead of clipped.
     pub depth_clamp: bool,
-    /// What is added to depth once it is interpolated, in roundings of it; negative is farther. A rounding is the last digit of
-    /// the triangle's largest depth, and what depth changes by over 2⁻¹⁹ pixel: over a target of a thousand pixels a plane's
-    /// depth is a product that loses some 2⁻²⁴ of its slope a pixel.
+    /// What is added to depth after interpolation, in units of its rounding error; negative is farther. The unit is
+    /// the last digit of the triangle's largest depth, and the depth's change over 2⁻¹⁹ pixel: over a target of a
+    /// thousand pixels a rasteriser's depth of a plane loses some 2⁻²⁴ of its slope a pixel.
     pub depth_bias: i32,
     /// What happens in the stencil; `None` leaves it alone.
     pub stencil: Option<Stencil>,
@@ -140,7 +141,7 @@ impl DrawState {
     }
 }
 
-/// How the engine shows the scene's surfaces, by shaders of its own.
+/// How the engine draws the scene's surfaces, with shaders of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SurfaceStyle {
     /// Depth only.
@@ -157,16 +158,16 @@ pub enum SurfaceStyle {
     Before,
 }
 
-/// What a shader that pulls the scene's surfaces by index gets of them.
+/// What a shader that pulls the scene's surfaces by index needs of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PulledStyle {
-    /// Positions: instance and triangle are known.
+    /// Positions: enough to know instance and triangle.
     Pulled,
-    /// Materials too: surfaces of which parts may not be there.
+    /// Materials too: for surfaces with holes.
     PulledMasked,
 }
 
-/// What a draw draws, and by which shader.
+/// What a draw draws, and with which shader.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Geometry<R = SlotId> {
     /// Parts of the scene's own meshes with their materials, by a shader that the engine composes for each.
@@ -178,7 +179,7 @@ pub enum Geometry<R = SlotId> {
         /// Vertices in all, for the plan's text.
         vertices: u64,
     },
-    /// Parts of the scene's own meshes, of which the shader pulls the vertices by index.
+    /// Parts of the scene's own meshes, whose vertices the shader pulls by index.
     PulledSurfaces {
         /// The shader.
         shader: Shader,
@@ -204,7 +205,7 @@ pub enum Geometry<R = SlotId> {
         /// The shader's `instance_index`.
         record: u32,
     },
-    /// Indices of which the shader makes vertices by itself, from what the draw binds.
+    /// Indices; the shader makes the vertices from what the draw binds.
     IndexedProcedural {
         /// The shader.
         shader: Shader,
@@ -217,7 +218,7 @@ pub enum Geometry<R = SlotId> {
         /// The shader's `instance_index`.
         record: u32,
     },
-    /// Vertices that the shader makes up.
+    /// Vertices that the shader makes from their numbers.
     Procedural {
         /// The shader.
         shader: Shader,
@@ -229,12 +230,12 @@ pub enum Geometry<R = SlotId> {
 }
 
 impl<R> Geometry<R> {
-    /// One triangle over the whole target, whose corners the shader makes up.
+    /// One triangle over the whole target; the shader makes its corners.
     pub fn fullscreen(shader: Shader) -> Self {
         Self::Procedural { shader, vertices: 3, instances: 1 }
     }
 
-    /// The shader; `None` for surfaces, each of which has one that the engine composes.
+    /// The shader; `None` for surfaces, whose shaders the engine composes.
     pub fn shader(&self) -> Option<&Shader> {
         match self {
             Self::Surfaces { .. } => None,
@@ -275,7 +276,7 @@ pub enum Binding<R = SlotId> {
 }
 
 impl<R: Copy> Binding<R> {
-    /// The texture or buffer that is read; a sampler is none.
+    /// The texture or buffer that is read; `None` for a sampler.
     pub fn resource(&self) -> Option<R> {
         match self {
             Self::Storage(read)

@@ -17,22 +17,22 @@ pub enum FactorAt {
     Darkening,
 }
 
-/// What the plan found out about one light.
+/// What was planned for one light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightPlanned {
     /// The light's name.
     pub name: String,
     /// Where its factor ends up; the first of its factors when several nodes are weighted apart.
     pub factor: FactorAt,
-    /// What the picture loses of the light where that factor is 0, for red, green and blue: weight · (1 − colour).
-    /// [`FULL_DARKENING`] unless a node says otherwise.
+    /// What the picture loses of the light where that factor is 0, for red, green and blue: weight · (1 − colour),
+    /// from 0 to 1. [`FULL_DARKENING`] unless a node says otherwise.
     pub max_darkening: [f32; 3],
     /// Factors of nodes that are weighted apart: the picture is shaded with the product of all.
     pub more_factors: Vec<FactorPart>,
     /// The techniques that shadow it, by type name and what options are not at their default; empty
     /// without any.
     pub techniques: Vec<String>,
-    /// Instances that are shaded by their normals alone where they turn away from the light.
+    /// Instances whose terminator follows their shading normals.
     pub smooth_terminators: Vec<u32>,
     /// Whether its factor holds the receiver's own shadow too: surfaces turned away from the light's centre are as
     /// dark as the factor says, not dark by themselves.
@@ -43,7 +43,7 @@ pub struct LightPlanned {
     pub layer_factor_images: Vec<SlotId>,
 }
 
-/// What shadow takes of a light unless a node says otherwise: everything.
+/// The `max_darkening` of a black shadow, which takes all of the light.
 pub const FULL_DARKENING: [f32; 3] = [1.0; 3];
 
 /// The factor of nodes that are weighted apart from others of the same light.
@@ -51,7 +51,7 @@ pub const FULL_DARKENING: [f32; 3] = [1.0; 3];
 pub struct FactorPart {
     /// Where it ends up.
     pub at: FactorAt,
-    /// What the picture loses of the light where it is 0; see [`LightPlanned::taken`].
+    /// What the picture loses of the light where it is 0; see [`LightPlanned::max_darkening`].
     pub max_darkening: [f32; 3],
 }
 
@@ -75,8 +75,8 @@ impl LightPlanned {
     }
 }
 
-/// What a shadow of this weight and linear colour takes from the picture, for red, green and blue: weight · (1 − colour).
-/// Both are confined to 0 … 1; what is not a number takes everything.
+/// What the picture loses of a light in a shadow of this weight and linear colour, for red, green and blue: weight ·
+/// (1 − colour). Both are clamped to 0 … 1; NaN gives full darkening.
 pub fn max_darkening(weight: f64, color: [f64; 3]) -> [f32; 3] {
     let share = |value: f64, otherwise: f64| if value.is_nan() { otherwise } else { value.clamp(0.0, 1.0) };
     color.map(|channel| (share(weight, 1.0) * (1.0 - share(channel, 0.0))) as f32)

@@ -52,12 +52,13 @@ pub struct FramePlan {
     pub light_mask: Option<SlotId>,
     /// The slot with (instance, triangle) of every pixel, when asked for.
     pub visible_triangles: Option<SlotId>,
-    /// How many layers of transparent surfaces are drawn apart, nearest first, because shadows fall on them; an upper
-    /// bound on those of any pixel.
+    /// How many layers of transparent surfaces are drawn one by one, nearest first, because shadows fall on them: an
+    /// upper bound over all pixels.
     pub layers: u32,
     /// The slots with (instance, triangle) of the layers whose factors were asked for: nearest first.
     pub layer_triangles: Vec<SlotId>,
-    /// The pixels (x and y from, x and y to before) outside of which every visibility counts as 1, whatever it holds.
+    /// A rectangle of pixels (first x and y, then x and y after the last); outside of it every visibility counts as
+    /// 1, whatever the texture holds.
     pub shadowed_px: [u32; 4],
     /// What was left out, and why.
     pub notes: Vec<String>,

@@ -8,16 +8,16 @@ use crate::scene::ImageKey;
 use std::sync::Arc;
 use wgpu::TextureFormat;
 
-/// A texture or buffer as a pass names it while the frame is planned: one that was asked for, or a *symbol*. What a symbol
-/// stands for depends on whose passes they are (which surfaces receive, which of a light's factors), and of what format it
-/// is on what all passes of the frame do with it.
+/// A texture or buffer as passes name it while the frame is planned: one that was asked for, or a *symbol* like the
+/// receivers' depth. Which texture a symbol stands for depends on the passes that name it (whose receivers, which
+/// light's factor), and its format on what all passes of the frame do with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Resource(pub(crate) Symbol);
 
 /// What a [`Resource`] stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Symbol {
-    /// What [`Slots`] handed out.
+    /// A slot that [`Slots`] handed out.
     Slot(SlotId),
     /// The depth of the receivers, with the light's counts in the stencil beside it where something counts.
     ReceiverDepth,
@@ -27,7 +27,7 @@ pub(crate) enum Symbol {
     ReceiverPlanes,
     /// The layer of the visibility array that holds the light's factor.
     Visibility,
-    /// All layers of it.
+    /// All layers of that array.
     AllVisibilities,
     /// The depth of certain receivers.
     DepthOf(DepthId),
@@ -85,19 +85,20 @@ pub enum Lifetime {
     /// Until the frame is done.
     #[default]
     Frame,
-    /// Until the passes are done that are planned together with it: whoever plans next may get the same texture.
+    /// Until the passes are done that are planned together with it: the next planner may get the same texture.
     Scratch,
-    /// Beyond the frame, under a hash of everything that the contents depend on: once drawn for it, the passes that write the
-    /// texture run again only when another is asked for, or the device was lost, a frame failed or the budget was short.
-    /// One that no frame names for a while is dropped. Equal in name, shape and key, it is one texture, whoever asks.
+    /// Beyond the frame, under a hash of everything that the contents depend on. The passes that write the texture
+    /// run again only for another key, or after a lost device, a failed frame or a short budget. A texture that no
+    /// frame names for a while is dropped. Textures of equal name, shape and key are one texture, whoever asks for
+    /// them.
     ///
-    /// A pass that writes it may write other kept textures, but nothing else; what such passes hand on to one another
-    /// (a mask that is blurred, say) is therefore kept too, under a key of its own. They may read anything; only the
-    /// key says when what they read has changed.
+    /// A pass that writes it may write other kept textures, but nothing else. So what such passes hand on to one
+    /// another (a mask that is blurred, say) must be kept too, under a key of its own. They may read anything; only
+    /// the key tells when they must run again.
     Kept(u64),
 }
 
-/// A texture that is asked for.
+/// A request for a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureDesc<'a> {
     /// What it is called in the plan's text and in captures: a label, no identity.
@@ -123,7 +124,7 @@ impl<'a> TextureDesc<'a> {
     }
 }
 
-/// A buffer that is asked for.
+/// A request for a buffer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BufferDesc<'a> {
     /// What it is called in the plan's text and in captures: a label, no identity.
@@ -150,12 +151,11 @@ impl<'a> BufferDesc<'a> {
     }
 }
 
-/// The textures and buffers that are asked for while a frame is planned. Each gets an id once, by which it is known from
-/// then on.
+/// Hands out the textures and buffers of a plan. Each gets its id once.
 #[derive(Clone, Debug, Default)]
 pub struct Slots {
     slots: Vec<Slot>,
-    /// Scratch textures, and whether whoever plans now has them.
+    /// Scratch textures, and whether the current planner has them.
     scratch: Vec<(SlotId, bool)>,
 }
 
@@ -170,7 +170,8 @@ impl Slots {
         &self.slots[id.0]
     }
 
-    /// A texture of one's own; a scratch texture that whoever planned before is done with; or the one that is kept already.
+    /// A new texture; for [`Lifetime::Scratch`] perhaps one that an earlier planner is done with, for
+    /// [`Lifetime::Kept`] the one of the same name, shape and key.
     pub fn texture(&mut self, desc: TextureDesc<'_>) -> SlotId {
         let TextureDesc { name, format, size_px, layers, samples, lifetime, reason } = desc;
         let kind = SlotKind::Texture { format, size_px, layers, samples };
@@ -199,7 +200,7 @@ impl Slots {
         id
     }
 
-    /// A buffer. One of the same key and use is added once.
+    /// A buffer; one of equal key and usage is added once.
     pub fn buffer(&mut self, desc: BufferDesc<'_>) -> SlotId {
         let BufferDesc { name, usage, revision_key, contents, reason } = desc;
         let same = |slot: &Slot| matches!(slot.kind, SlotKind::Buffer { usage: u, revision_key: key, .. } if u == usage && key == revision_key);

@@ -2,11 +2,11 @@
 //! visibility array.
 //!
 //! Nodes that neither weigh nor colour their shadow share one factor of their light; each of the others has a *part* of its
-//! own. A part is in one place on all receivers, so that shading finds it where it is told once.
+//! own. A part is in the same place on all receivers, so that shading needs only one place for it.
 
 use std::borrow::Cow;
 
-use super::layers::Layered;
+use super::layered::Layered;
 use super::lights::{NodePasses, ReceiverPasses};
 use super::request::FrameError;
 use super::resolve;

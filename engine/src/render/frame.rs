@@ -3,7 +3,7 @@
 use wgpu::Features;
 
 use super::factors::Factors;
-use super::layers::Layered;
+use super::layered::Layered;
 use super::picture::Picture;
 use super::request::{Adapter, FrameError, FrameRequest, PictureFormat};
 use super::schedule::{Inputs, Needs, Schedule, Scope};

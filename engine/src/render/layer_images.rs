@@ -6,27 +6,17 @@
 
 use super::factor_images::format_of;
 use super::factors::{Factors, Part};
-use super::layers::{Layered, add_seen};
+use super::layered::{Layered, LookedAt};
 use super::lights::ReceiverPasses;
 use super::request::FrameError;
 use super::resolve::{self, fullscreen};
 use super::schedule::{Group, Inputs, Needs, Schedule, Scope, Seen};
-use super::seen::no_triangle;
+use super::seen::{self, no_triangle};
 use crate::plan::{
     Access, BlendState, CompareFunction, DepthId, DrawState, FactorAt, LightPlanned, Load, PulledStyle,
     Resource, Shader, ShaderError, SlotId, TextureFormat,
 };
 use crate::shadow::{Binding, ColorTarget, DepthTarget, Draw, Layer, Pass};
-
-/// A layer that is looked at, or lies before one that is.
-#[derive(Debug)]
-pub(super) struct LookedAt {
-    pub(super) receivers: ReceiverPasses,
-    /// Its instance and triangle at every pixel.
-    pub(super) triangles: SlotId,
-    /// Whether these and its factors are kept.
-    pub(super) kept: bool,
-}
 
 /// Has all lights plan `on` those layers in view whose factors were asked for, and on those before them.
 ///
@@ -90,7 +80,7 @@ pub(super) fn draw<'p>(
         if *kept {
             if receivers.are_shadowed() {
                 let seen = Seen { triangles: None, planes };
-                add_seen(inputs, schedule, &Scope { seen, ..scope.clone() })?;
+                seen::add_on_layer(inputs, schedule, &Scope { seen, ..scope.clone() })?;
             }
             images_of(inputs, needs, schedule, (number, receivers, &scope), (factors, lights))?;
         }

@@ -16,50 +16,22 @@
 
 use super::factors::Factors;
 use super::layer_count::most_layers;
-use super::layer_images::{self, LookedAt};
+use super::layer_images;
+use super::layered::Layered;
 use super::lights::{self, ReceiverPasses};
 use super::request::FrameError;
 use super::resolve;
 use super::schedule::{Inputs, Needs, Schedule, Scope, Seen};
-use super::seen::no_triangle;
+use super::seen;
 use super::shading::factor_bindings;
 use super::sorted::Sorted;
 use crate::plan::{
-    Access, Antialias, BlendState, CompareFunction, DepthId, DrawState, LightPlanned, Load, PulledStyle,
-    Resource, Shader, ShaderError, SlotId, SurfaceStyle,
+    Access, Antialias, CompareFunction, DepthId, DrawState, LightPlanned, Resource, SlotId, SurfaceStyle,
 };
-use crate::shadow::{Apply, Binding, ColorTarget, DepthTarget, Draw, Layer, Layers, Pass, hash_of};
+use crate::shadow::{Apply, Binding, DepthTarget, Draw, Layer, Layers, Pass, hash_of};
 
 /// The most layers a frame draws: each takes its passes, and so does each light on it.
 const MAX_LAYERS: u32 = 1024;
-
-/// The layers of a frame, and what the lights' techniques planned for them.
-#[derive(Debug)]
-pub(super) struct Layered {
-    nearest: ReceiverPasses,
-    /// Those behind it, the farthest first; empty where no light's shadows fall on them.
-    farther: Vec<ReceiverPasses>,
-    /// Whether there may be any behind it.
-    only_one: bool,
-    /// Those whose factors were asked for as images, or that lie before such: the nearest first.
-    pub(super) looked_at: Vec<LookedAt>,
-}
-
-impl Layered {
-    /// How many layers are drawn with shadows.
-    pub(super) fn count(&self) -> u32 {
-        self.farther.len() as u32 + 1
-    }
-
-    /// What is planned for each layer that is drawn, and for each that is looked at.
-    pub(super) fn receivers(&self) -> impl Iterator<Item = &ReceiverPasses> {
-        self.drawn().chain(self.looked_at.iter().map(|layer| &layer.receivers))
-    }
-
-    fn drawn(&self) -> impl Iterator<Item = &ReceiverPasses> + Clone {
-        std::iter::once(&self.nearest).chain(&self.farther)
-    }
-}
 
 /// Plans all lights for every layer of transparent surfaces; `None` where no technique asks for layers or there is none.
 ///
@@ -218,7 +190,7 @@ fn shade<'p>(
 ) -> Result<(), FrameError> {
     let shadowed = receivers.are_shadowed();
     if shadowed {
-        add_seen(inputs, schedule, &scope)?;
+        seen::add_on_layer(inputs, schedule, &scope)?;
         for ((light, nodes), planned) in factors.lights.iter().zip(&receivers.lights).zip(lights) {
             for part in &light.shaded {
                 let mut group = part.group(&scope, nodes, &planned.name)?;
@@ -233,36 +205,5 @@ fn shade<'p>(
     let sorted = Sorted { compare: CompareFunction::Equal, behind: None, factors: bindings };
     let what = ("shading", "blended over what is behind it, with the shadows on it");
     schedule.push(&scope, sorted.pass(inputs, picture, what));
-    Ok(())
-}
-
-/// Draws what techniques ask to know about the layer of this scope.
-pub(super) fn add_seen(
-    inputs: &Inputs<'_>,
-    schedule: &mut Schedule<'_>,
-    scope: &Scope,
-) -> Result<(), ShaderError> {
-    let (name, fragment, flags): (_, _, &[&str]) = match (scope.seen.triangles, scope.seen.planes) {
-        (None, None) => return Ok(()),
-        (Some(_), None) => ("visible triangles", "visible_triangle", &[]),
-        (None, Some(_)) => ("receiver planes", "receiver_plane", &["PLANES"]),
-        (Some(_), Some(_)) => ("visible triangles and receiver planes", "triangle_and_plane", &["PLANES"]),
-    };
-    let triangles = scope.seen.triangles.map(|slot| ColorTarget::new(slot, no_triangle()));
-    let planes = scope.seen.planes.map(|slot| ColorTarget::new(slot, Load::Clear([0.0; 4])));
-    let colors: Vec<_> = triangles.into_iter().chain(planes).collect();
-    let state = DrawState::new(CompareFunction::Equal, vec![Some(BlendState::REPLACE); colors.len()]);
-    let shader = Shader::composed("surface_measure", flags, "vertex", Some(fragment))?;
-    let geometry = inputs.pulled(shader, PulledStyle::Pulled, &inputs.surfaces.transparent);
-    schedule.push(
-        scope,
-        Pass {
-            name: name.into(),
-            reason: "a technique asks what it is that each pixel shows".into(),
-            colors,
-            depth: Some(DepthTarget::TEST),
-            draws: vec![Draw::new("transparent surfaces", geometry, state)],
-        },
-    );
     Ok(())
 }

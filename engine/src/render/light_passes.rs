@@ -1,4 +1,4 @@
-//! The passes of each light over the opaque surfaces, and what they leave behind for shading and for whoever measures.
+//! The passes of each light over the opaque surfaces, and what they leave behind for shading and for measures.
 
 use super::factor_images;
 use super::factors::{Factors, LightFactors, Part};

@@ -214,7 +214,7 @@ fn check_per_sample(needs: &Needs, claim: &Claim, node: Option<&NodePasses>) -> 
     let image = if asks(Symbol::VisibleTriangles) {
         Some(TextureFormat::Rg32Uint)
     } else {
-        asks(Symbol::ReceiverPlanes).then_some(super::seen::RECEIVER_PLANES)
+        asks(Symbol::ReceiverPlanes).then_some(super::schedule::RECEIVER_PLANES)
     };
     let Some(format) = counter.or(contribution.visibility.map(crate::shadow::Channels::format)).or(image)
     else {

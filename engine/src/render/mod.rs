@@ -10,6 +10,7 @@ mod factors;
 mod frame;
 mod layer_count;
 mod layer_images;
+mod layered;
 mod layers;
 mod light_passes;
 mod lights;

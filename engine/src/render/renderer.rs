@@ -28,10 +28,10 @@ pub enum RenderError {
     Pixels(#[from] PixelsError),
 }
 
-/// What is wanted besides the frame itself.
+/// What is wanted of rendering beside the frame itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderOptions {
-    /// How bright.
+    /// How radiance becomes brightness.
     pub exposure: Exposure,
     /// What is timed.
     pub timing: Timing,
@@ -44,11 +44,12 @@ pub struct RenderOptions {
 pub struct FactorImage {
     /// The light's name.
     pub light: String,
-    /// The values.
+    /// The factor of every pixel, 1 lit and 0 dark, as 32-bit floats: one, or red, green and blue with a fourth that
+    /// is unused.
     pub pixels: Pixels,
 }
 
-/// What was asked for of one layer of transparent surfaces.
+/// The factors on one layer of transparent surfaces, as asked for by [`FrameRequest::layer_factors`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameLayer {
     /// (instance, triangle) of every pixel; `u32::MAX` where there is no such layer.
@@ -68,7 +69,7 @@ pub struct Frame {
     pub visible_triangles: Option<Vec<[u32; 2]>>,
     /// The factor of every light that a shadow node serves, if asked for.
     pub factors: Vec<FactorImage>,
-    /// Those of [`FrameRequest::layer_factors`] that there are, nearest first.
+    /// The layers of [`FrameRequest::layer_factors`] that the scene has, nearest first.
     pub layers: Vec<FrameLayer>,
     /// The names of the passes that did not run, since what they draw was kept from an earlier frame.
     pub kept: Vec<String>,
@@ -76,7 +77,7 @@ pub struct Frame {
     pub times: Vec<PassTime>,
     /// GPU time of the whole frame, in milliseconds.
     pub gpu_ms: Option<f64>,
-    /// Bytes on the GPU.
+    /// Bytes on the GPU: the plan's slots, meshes and textures.
     pub gpu_bytes: u64,
 }
 
@@ -110,8 +111,8 @@ impl Renderer {
         &self.catalog
     }
 
-    /// How many results were computed and how many buffers uploaded since the renderer was made. Neither grows in a
-    /// frame in which nothing moved.
+    /// How many cached results were computed and how many buffers uploaded since the renderer was made. Neither
+    /// number grows in a frame in which nothing moved.
     pub fn work_done(&self) -> (u64, u64) {
         (self.cache.computed(), self.executor.uploads())
     }

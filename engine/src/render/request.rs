@@ -58,7 +58,7 @@ pub enum FrameError {
     Shadow(#[from] ShadowError),
 }
 
-/// What the finished picture is.
+/// The format of the finished picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PictureFormat {
     /// Tone-mapped, 8 bits, sRGB.
@@ -71,7 +71,7 @@ pub enum PictureFormat {
 /// What is wanted of a frame.
 #[derive(Clone, Debug)]
 pub struct FrameRequest {
-    /// From where.
+    /// The camera.
     pub camera: CameraSnapshot,
     /// Width and height, in pixels.
     pub size_px: [u32; 2],
@@ -82,8 +82,9 @@ pub struct FrameRequest {
     /// Whether each shadowed light's factor is kept as an image, with the visible triangle of every pixel, or of every
     /// sample when edges are smoothed.
     pub factors: bool,
-    /// Of which layers of transparent surfaces, 0 the nearest, the factors are kept as well: those of lights whose
-    /// techniques ask for layers, with the visible triangle of every pixel of the layer. Each layer takes its images.
+    /// The layers of transparent surfaces, 0 the nearest, whose factors are kept too, with the visible triangle of
+    /// every pixel of the layer: factors of the lights whose techniques ask for layers. Every layer takes images of
+    /// its own.
     pub layer_factors: Range<u32>,
 }
 

@@ -80,6 +80,9 @@ pub(super) struct Scope {
     pub(super) purpose: &'static str,
 }
 
+/// The format of receivers' planes: a horizon is decided by all digits that positions have.
+pub(super) const RECEIVER_PLANES: TextureFormat = TextureFormat::Rgba32Uint;
+
 /// What techniques may ask to know about the surface that each pixel shows.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Seen {

@@ -1,18 +1,16 @@
-//! What each pixel shows, for techniques that ask and for whoever measures: the visible triangle and its normal; of every
+//! What each pixel shows, for techniques that ask and for measures: the visible triangle and its normal; of every
 //! sample, where edges are smoothed by several samples a pixel.
 
 use super::lights::ReceiverPasses;
 use super::request::FrameError;
 use super::resolve::fullscreen;
-use super::schedule::{Inputs, Needs, Schedule, Scope, Seen};
+use super::schedule::{Inputs, Needs, RECEIVER_PLANES, Schedule, Scope, Seen};
 use crate::plan::{
-    Access, BlendState, CompareFunction, DrawState, Load, ShaderError, SlotId, Symbol, TextureDesc,
-    TextureFormat,
+    Access, BlendState, CompareFunction, DrawState, Load, PulledStyle, Shader, ShaderError, SlotId, Symbol,
+    TextureDesc, TextureFormat,
 };
-use crate::shadow::{Binding, ColorTarget, DepthTarget, Pass};
+use crate::shadow::{Binding, ColorTarget, DepthTarget, Draw, Pass};
 
-/// The format of receivers' planes: a horizon is decided by all digits that positions have.
-pub(super) const RECEIVER_PLANES: TextureFormat = TextureFormat::Rgba32Uint;
 /// Where nothing is seen.
 const NO_PLANE: Load = Load::Clear([0.0; 4]);
 
@@ -160,4 +158,35 @@ pub(super) fn sample_pass(
         depth: None,
         draws: vec![draw.reading(bindings)],
     })
+}
+
+/// Draws what techniques ask to know about the layer of this scope.
+pub(super) fn add_on_layer(
+    inputs: &Inputs<'_>,
+    schedule: &mut Schedule<'_>,
+    scope: &Scope,
+) -> Result<(), ShaderError> {
+    let (name, fragment, flags): (_, _, &[&str]) = match (scope.seen.triangles, scope.seen.planes) {
+        (None, None) => return Ok(()),
+        (Some(_), None) => ("visible triangles", "visible_triangle", &[]),
+        (None, Some(_)) => ("receiver planes", "receiver_plane", &["PLANES"]),
+        (Some(_), Some(_)) => ("visible triangles and receiver planes", "triangle_and_plane", &["PLANES"]),
+    };
+    let triangles = scope.seen.triangles.map(|slot| ColorTarget::new(slot, no_triangle()));
+    let planes = scope.seen.planes.map(|slot| ColorTarget::new(slot, Load::Clear([0.0; 4])));
+    let colors: Vec<_> = triangles.into_iter().chain(planes).collect();
+    let state = DrawState::new(CompareFunction::Equal, vec![Some(BlendState::REPLACE); colors.len()]);
+    let shader = Shader::composed("surface_measure", flags, "vertex", Some(fragment))?;
+    let geometry = inputs.pulled(shader, PulledStyle::Pulled, &inputs.surfaces.transparent);
+    schedule.push(
+        scope,
+        Pass {
+            name: name.into(),
+            reason: "a technique asks what it is that each pixel shows".into(),
+            colors,
+            depth: Some(DepthTarget::TEST),
+            draws: vec![Draw::new("transparent surfaces", geometry, state)],
+        },
+    );
+    Ok(())
 }

@@ -28,8 +28,8 @@ impl Scene {
         self.add(None, &name, look_at(position, target), Content::Light(key))
     }
 
-    /// Adds a light at the root that shines alike into all directions and so needs no target. One that has a direction shines
-    /// along −z; [`Scene::add_light`] turns it.
+    /// Adds a light at the root that shines in all directions and so needs no target. A light that has a direction
+    /// shines along −z; [`Scene::add_light`] aims it.
     pub fn add_lamp(&mut self, light: Light, position: DVec3) -> NodeKey {
         self.add_light(light, position, position - DVec3::Z)
     }

@@ -22,7 +22,7 @@ pub enum Property {
     Rotation,
     /// A node's scale: 3 values a key.
     Scale,
-    /// The weights of the morph targets of a node's mesh: a value a key for each target.
+    /// The weights of the morph targets of a node's mesh: one value a key for each target.
     Weights,
 }
 
@@ -257,21 +257,21 @@ impl Animation {
         f64::from(self.channels.iter().map(last).fold(0.0, f32::max))
     }
 
-    /// `seconds` of playing over and over, as a time within the clip.
+    /// `seconds` of playing the clip over and over, as a time within it.
     pub fn looped(&self, seconds: f64) -> f64 {
         let duration_s = self.duration_s();
         if duration_s > 0.0 { seconds.rem_euclid(duration_s) } else { 0.0 }
     }
 }
 
-/// A transform in the parts that animations move.
+/// A transform as translation, rotation and scale, which animations move one by one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
-    /// Where it stands.
+    /// Its translation.
     pub translation: DVec3,
-    /// How it is turned.
+    /// Its rotation.
     pub rotation: DQuat,
-    /// How it is stretched along its own axes.
+    /// Its scale along its own axes.
     pub scale: DVec3,
 }
 

@@ -48,9 +48,9 @@ pub struct MeshNode {
     pub materials: Vec<MaterialKey>,
     /// Whether it casts and receives.
     pub shadow: ShadowFlags,
-    /// The joints that move it, for a mesh with influences. The node's own transform then says nothing.
+    /// The joints that move it, for a mesh with influences. The node's own transform is then ignored.
     pub skin: Option<SkinKey>,
-    /// The weights of the mesh's morph targets; empty for the mesh's own.
+    /// The weights of the mesh's morph targets; empty for the weights that the mesh itself has.
     pub weights: Vec<f64>,
 }
 
@@ -93,7 +93,7 @@ pub struct Light {
     pub color: Vec3,
     /// Intensity: lux (directional) or candela (point and spot).
     pub intensity: f32,
-    /// Where it ends, in metres; `None` for never. Directional lights have no range.
+    /// The distance beyond which it lights nothing, in metres; `None` for no limit. Directional lights have no range.
     pub range_m: Option<f64>,
     /// Whether it may cast shadows at all, whatever the shadow nodes say.
     pub casts_shadows: bool,
@@ -210,7 +210,7 @@ pub struct ShadowNode {
     pub lights: Scope,
     /// What casts.
     pub casters: Scope,
-    /// What receives, for techniques that ask.
+    /// What receives, for techniques that shade named receivers only.
     pub receivers: Scope,
 }
 

@@ -68,7 +68,8 @@ impl Node {
         self.parent
     }
 
-    /// How it stands while nothing is animated, for nodes that animations move or that were placed by their parts.
+    /// Its transform while nothing is animated, for nodes that animations move or that have translation, rotation and
+    /// scale.
     pub fn rest(&self) -> Option<&Transform> {
         self.rest.as_ref().map(|rest| &rest.transform)
     }

@@ -29,7 +29,7 @@ pub enum Wrap {
     Repeat,
     /// It repeats mirrored.
     Mirror,
-    /// Its edge goes on.
+    /// The texels at its edge continue.
     Clamp,
 }
 
@@ -84,7 +84,7 @@ pub struct TextureRef {
     pub smooth: bool,
     /// Which texture coordinates it lies on.
     pub tex_coord: TexCoord,
-    /// How these are transformed.
+    /// How the texture coordinates are transformed.
     pub transform: UvTransform,
 }
 
@@ -188,11 +188,6 @@ impl Material {
     /// A matt material of one linear colour.
     pub fn matt(name: &str, color: Vec3) -> Self {
         Self { name: name.into(), base_color: color.extend(1.0), ..Self::default() }
-    }
-
-    /// The material, reflecting light by `function`.
-    pub fn with_surface(self, function: SurfaceFunction) -> Self {
-        Self { surface: Some(Arc::new(function)), ..self }
     }
 
     /// The alpha below which it has holes; `None` without a mask.

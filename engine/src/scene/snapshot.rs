@@ -149,8 +149,8 @@ impl CameraSnapshot {
         Self { key: None, name: camera.name, world_from_view, projection: camera.projection }
     }
 
-    /// The same camera, seeing no farther than a scene with these bounds goes: an orthographic depth is as coarse everywhere
-    /// as its whole range is long, and `zfar` is often a guess. A perspective depth gains nothing from it.
+    /// The same camera, seeing no farther than a scene with these bounds goes. An orthographic depth is equally
+    /// coarse over its whole range, and files often guess `zfar`; a perspective depth gains nothing from this.
     pub fn fitted_to(&self, world_bounds: &Aabb) -> Self {
         let mut fitted = self.clone();
         if let Projection::Orthographic { near_m, far_m, .. } = &mut fitted.projection

@@ -16,16 +16,17 @@ pub const MAX_RADIUS_M: f64 = 1e9;
 /// The widest directional light that techniques take, in degrees from its middle: beyond, it would reach around the receiver.
 pub const MAX_ANGLE_DEG: f64 = 60.0;
 
-/// How large a light is.
+/// How large a light is: a radius for point and spot lights, an angle for directional ones. Where both are 0 it has
+/// no size.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LightSize {
-    /// The radius of a point or spot light.
+    /// The radius of a point or spot light, in metres.
     pub radius_m: f64,
-    /// Half the angle under which a directional light is seen.
+    /// Half the angle under which a directional light is seen, in radians.
     pub half_angle_rad: f64,
 }
 
-/// The disc that stands for a light, as a receiver's point sees it.
+/// The disc that stands for a light, as one point of a receiver sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightDisc {
     /// Its radius: in metres for w = 1, as the tangent of an angle for w = 0. 0 where only the centre counts.
@@ -37,7 +38,7 @@ pub struct LightDisc {
 }
 
 impl LightSize {
-    /// A point, or a single direction.
+    /// No size: a point, or a single direction.
     pub const NONE: Self = Self { radius_m: 0.0, half_angle_rad: 0.0 };
 
     /// A light of this radius, or of this half-angle in degrees if it is directional: what the options `radius` and `angle` say.
@@ -45,7 +46,7 @@ impl LightSize {
         Self { radius_m, half_angle_rad: angle_deg.to_radians() }
     }
 
-    /// What the options `radius` (metres) and `angle` (degrees) say; what is left out is 0.
+    /// The size that the options `radius` (metres) and `angle` (degrees) say; an option that is left out is 0.
     pub fn of(options: &Params) -> Self {
         let number = |name: &str| match options.get(name) {
             Some(ParamValue::Number(value)) => *value,

@@ -36,7 +36,7 @@ impl Cache {
         Self::default()
     }
 
-    /// The value of `kind` for `key`, computed now if it is not there.
+    /// The value of `kind` under `key`; computed first if the cache does not hold it.
     pub fn get_or_compute<T: Any + Send + Sync>(
         &self,
         kind: &'static str,
@@ -61,7 +61,7 @@ impl Cache {
         self.store().computed
     }
 
-    /// Marks the beginning of a frame and drops what has not been asked for lately.
+    /// Begins a frame: drops what no recent frame asked for.
     pub fn begin_frame(&self) {
         let mut store = self.store();
         store.frame += 1;

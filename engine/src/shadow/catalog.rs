@@ -6,8 +6,8 @@ use std::sync::Arc;
 use super::{Contribution, LightContext, LightSize, OptionError, OptionTable, PassList, ShadowError};
 use crate::scene::{Instance, Params, ShadowNode};
 
-/// Which of the transparent surfaces at a pixel a technique wants its light's factor at, beside the opaque surface.
-/// The widest wish of a light's techniques counts for all of them.
+/// The transparent surfaces at a pixel for which a technique wants its light's factor, beside the opaque surface. Of
+/// several techniques of one light the one that wants most decides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Layers {
     /// None: transparent surfaces are lit without shadows.
@@ -19,7 +19,7 @@ pub enum Layers {
     All,
 }
 
-/// Which of the transparent surfaces at a pixel.
+/// One of the transparent surfaces at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Layer {
     /// The n-th from the eye; 0 is the nearest.
@@ -28,41 +28,40 @@ pub enum Layer {
     FromBehind(u32),
 }
 
-/// What is so of a technique with its options, whatever the scene. The default is a technique for points, of opaque casters,
-/// on opaque surfaces, that says nothing of its error.
+/// What holds for a technique with its options in every scene. The default is a technique for lights without size
+/// that takes opaque casters and opaque receivers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Traits {
-    /// The error that is left by design, in one sentence.
+    /// The error that the technique has by design, in one sentence.
     pub known_error: &'static str,
-    /// How large it takes its lights to be: what its factors are compared with.
+    /// How large the technique takes its lights to be. Its factors are compared with those of such lights.
     pub light_size: LightSize,
-    /// How many of [`light_samples`](super::light_samples) its factors are the visible share of, if they are: what it draws
-    /// is then compared sample by sample. `None` where it approximates the whole light.
+    /// The number of [`light_samples`](super::light_samples) of which its factor is the visible share, if it is one:
+    /// it is then compared sample by sample. `None` for techniques that approximate the whole light.
     pub light_samples: Option<u32>,
-    /// Whether its casters' transparent surfaces cast through it too, in the colours that they let pass
-    /// ([`Material::transmission_at`](crate::scene::Material::transmission_at)); else they cast nothing.
+    /// Whether its casters' transparent surfaces cast too, in the colours that they let pass
+    /// ([`Material::transmission_at`](crate::scene::Material::transmission_at)); otherwise they cast nothing.
     pub casts_transparent: bool,
-    /// On which transparent surfaces its shadows fall: [`ShadowTechnique::plan`] is called once more for each of these
-    /// layers of the picture.
+    /// The transparent surfaces on which its shadows fall. [`ShadowTechnique::plan`] is called once more for each of
+    /// these layers.
     pub receiver_layers: Layers,
-    /// Whether it shades the receivers that its node names and nothing else. Everywhere else its factor is 1, and is not
-    /// compared.
+    /// Whether it shades only the receivers that its node names. Elsewhere its factor is 1 and is not compared.
     pub shades_receivers_only: bool,
 }
 
 /// A way to compute shadows.
 ///
-/// Implementations hold their options and nothing else: what persists between frames lives in the
-/// [`Cache`](super::Cache) and in the plan's slots, so a technique leaves no state for its successor. How it is called stands
+/// Implementations hold their options and nothing else. What persists between frames lives in the
+/// [`Cache`](super::Cache) and in the plan's slots, so a technique leaves no state for its successor. Its names are
 /// in its [`TechniqueEntry`].
 pub trait ShadowTechnique: fmt::Debug + Send + Sync {
     /// All options with their values.
     fn params(&self) -> Params;
 
-    /// What is so of it, whatever the scene.
+    /// What holds for it in every scene.
     fn traits(&self) -> Traits;
 
-    /// Whether `instance` casts through this technique: `Ok(false)` leaves it to others.
+    /// Whether `instance` casts through this technique; `Ok(false)` leaves it to others.
     ///
     /// # Errors
     /// The reason why it would have to cast but cannot.
@@ -76,8 +75,9 @@ pub trait ShadowTechnique: fmt::Debug + Send + Sync {
         Ok(())
     }
 
-    /// Adds the passes to `out` that leave the light's factor in the stencil or in its visibility, and says what they leave.
-    /// What it needs of the adapter it requires of `light` when it needs it, so that no more is asked for than the frame takes.
+    /// Adds the passes to `out` that leave the light's factor in the stencil or in its visibility, and returns what
+    /// they leave. It requires a feature of the adapter through `light` only where it needs it, so that a frame asks
+    /// for no more than it takes.
     ///
     /// # Errors
     /// What the technique refuses, naming node and caster.
@@ -153,10 +153,11 @@ impl Catalog {
         self.entries.iter().find(|entry| entry.type_name == name || entry.short_name == name)
     }
 
-    /// Makes the technique that `shadow` asks for, and says how it is called; `node` names it in errors.
+    /// Makes the technique that `shadow` asks for, and returns its type name with it; `node` names the node in
+    /// errors.
     ///
     /// # Errors
-    /// [`ShadowError::UnknownTechnique`] lists the known types; [`ShadowError::Option`] what is accepted.
+    /// [`ShadowError::UnknownTechnique`] lists the known types; [`ShadowError::Option`] says what is accepted.
     pub fn technique(
         &self,
         node: &str,

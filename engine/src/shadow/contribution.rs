@@ -2,7 +2,7 @@
 
 use wgpu::TextureFormat;
 
-/// Channels of a visibility target.
+/// The channels of a light's visibility.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Channels {
     /// One value for all colours.
@@ -12,7 +12,7 @@ pub enum Channels {
 }
 
 impl Channels {
-    /// The format of visibility targets that hold these.
+    /// The texture format of a visibility with these channels.
     pub fn format(self) -> TextureFormat {
         match self {
             Self::One => TextureFormat::R16Float,
@@ -21,29 +21,29 @@ impl Channels {
     }
 }
 
-/// What the passes of one node leave of one light, and what the picture is to make of it. The default is nothing: the light
-/// stays as it is.
+/// What the passes of one node leave for one light, and how the picture applies it. The default leaves nothing: the
+/// light stays unshadowed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contribution {
-    /// Whether anything is counted in the stencil, and an upper bound on what is added to any pixel's final count.
+    /// Where the passes count in the stencil: an upper bound on what they add to the final count of any pixel.
     pub counts_bound: Option<u32>,
-    /// Whether the light's visibility is multiplied, and in which channels.
+    /// Where the passes multiply the light's visibility: its channels.
     pub visibility: Option<Channels>,
-    /// Whether what is left in the visibility holds the receiver's own shadow too: what part of the light lies beyond the
-    /// horizon of the surface. Nothing else darkens surfaces then for being turned away from the light's centre, neither
-    /// in pictures, beyond the cosine of their normals, nor in factors, whatever other techniques serve the light: a
-    /// light's factor is the product of what they leave, and the horizon is in one of them.
+    /// Whether the visibility holds the receiver's own shadow too: the part of the light that lies below the
+    /// surface's horizon. The engine then darkens no surface for being turned away from the light's centre (in
+    /// pictures, beyond the cosine of its normal), whatever other techniques serve the light: its factor is the
+    /// product of all contributions, and only this one has the horizon in it.
     pub own_shadow: bool,
-    /// Instances that are shaded by their normals alone where they turn away from this light: the technique leaves what is
-    /// there undecided. For pictures; in factors, what is turned away stays dark. None beyond the first
-    /// [`MAX_SMOOTH_LIGHTS`](super::MAX_SMOOTH_LIGHTS) lights of a scene.
+    /// Instances whose terminator for this light follows their shading normals: the technique leaves surfaces that
+    /// are turned away from the light undecided. In pictures only; in factors they are dark. Only the first
+    /// [`MAX_SMOOTH_LIGHTS`](super::MAX_SMOOTH_LIGHTS) lights of a scene can have any.
     pub smooth_terminators: Vec<usize>,
-    /// What the picture is to make of the factor.
+    /// How the picture applies the factor.
     pub apply: Apply,
 }
 
-/// What a picture makes of a node's factor. Weights and linear colours are confined to 0 … 1. A factor that is asked for is
-/// never weighted.
+/// How a picture applies the factor of a node. Weights and linear colours are clamped to 0 … 1. Factors that are
+/// asked for are never weighted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Apply {
     /// The light is multiplied by 1 − weight · (1 − factor) · (1 − colour), for each node that serves it. (With four samples
@@ -55,17 +55,17 @@ pub enum Apply {
         /// What is left, in linear red, green and blue.
         color: [f64; 3],
     },
-    /// The light is shaded as if nothing shadowed it. Its counts are put together with those of all other lights of which
-    /// a node says so, and where the sum is not zero, the finished picture is darkened, once. (No count is negative, so they
-    /// do not cancel.) All such nodes have one weight. Only counts can be put together so.
+    /// The light is shaded as if unshadowed. Its counts are added to those of all other lights whose nodes say the
+    /// same, and the finished picture is darkened once where the sum is not zero. (Counts are never negative, so they
+    /// do not cancel.) All such nodes must have one weight, and may only count.
     DarkenOnce {
         /// How much of the picture's light is taken away.
         weight: f64,
     },
-    /// The light is shaded as if nothing shadowed it, and the finished picture multiplied by
-    /// 1 − weight · (1 − factor) · (1 − colour), for one node and light after the other (the black rectangle over the screen
-    /// of the second method of paper 002 §6.4). Highlights of lights that are blocked stay, darkened. A light whose shadows
-    /// darken the picture for one node does so for all of its nodes, or the frame is refused.
+    /// The light is shaded as if unshadowed, and the finished picture is multiplied by 1 − weight · (1 − factor) · (1
+    /// − colour), for one node and light after the other (the black rectangle over the screen of the second method of
+    /// paper 002 §6.4). Highlights of hidden lights stay, darkened. All nodes of such a light must say the same, or
+    /// the frame is refused.
     DarkenPicture {
         /// How much of the picture's light is taken away.
         weight: f64,
@@ -82,17 +82,17 @@ impl Default for Apply {
 }
 
 impl Contribution {
-    /// What multiplies the light's visibility in these channels.
+    /// A contribution that multiplies the light's visibility in these channels.
     pub fn visibility(channels: Channels) -> Self {
         Self { visibility: Some(channels), ..Self::default() }
     }
 
-    /// What counts in the stencil, this much at most.
+    /// A contribution that adds at most `bound` to the count of any pixel.
     pub fn counts(bound: u32) -> Self {
         Self { counts_bound: Some(bound), ..Self::default() }
     }
 
-    /// This one and what `more` passes of the same node leave. What the picture makes of it is what this one says.
+    /// This contribution and that of `more` passes of the same node. The picture applies both as this one says.
     #[must_use]
     pub fn and(mut self, more: Self) -> Self {
         self.counts_bound = match (self.counts_bound, more.counts_bound) {
@@ -105,7 +105,7 @@ impl Contribution {
         self
     }
 
-    /// Whether there is a factor at all.
+    /// Whether the passes leave a factor at all.
     pub fn is_some(&self) -> bool {
         self.counts_bound.is_some() || self.visibility.is_some()
     }

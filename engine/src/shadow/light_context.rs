@@ -4,31 +4,31 @@ use super::{Apply, Cache, Claim, Layer, ShadowError, culling};
 use crate::math::{Aabb, ViewFrustum};
 use crate::scene::{CameraSnapshot, Instance, LightSnapshot, SceneSnapshot};
 
-/// From where, and how large, the frame is seen.
+/// The camera of a frame, the frame's size, and what the camera sees.
 #[derive(Clone, Debug)]
 pub struct View {
     /// The camera.
     pub camera: CameraSnapshot,
     /// Width and height of the picture, in pixels.
     pub size_px: [u32; 2],
-    /// What the camera sees.
+    /// The camera's frustum.
     pub frustum: ViewFrustum,
-    /// The box around every surface that may receive a shadow in this view, in the world. Where it ends, volumes
-    /// may end too.
+    /// The box around every surface that may receive a shadow in this view, in the world. Volumes need not reach
+    /// beyond it.
     pub receiver_bounds: Aabb,
 }
 
-/// The lights that may have smooth terminators: a bit for each of them goes with every instance.
+/// The most lights that can have smooth terminators: every instance has a bit for each of them.
 pub const MAX_SMOOTH_LIGHTS: usize = 32;
 
-/// One light as the technique of one node sees it that serves it.
+/// One light, as the technique of one node sees it while it plans.
 #[derive(Clone, Copy, Debug)]
 pub struct LightContext<'a> {
     /// The scene.
     pub snapshot: &'a SceneSnapshot,
     /// The view.
     pub view: &'a View,
-    /// What the adapter can do.
+    /// The adapter's features.
     pub features: wgpu::Features,
     /// The adapter's name, for errors.
     pub adapter: &'a str,
@@ -79,10 +79,10 @@ impl<'a> LightContext<'a> {
         self.claim.receivers.iter().map(move |index| (*index, &snapshot.instances[*index]))
     }
 
-    /// Whether a caster within `bounds` may shadow something in view; the reason when it certainly does not.
+    /// Whether a caster within `bounds` may shadow something in view.
     ///
     /// # Errors
-    /// The reason why it cannot matter, for a note.
+    /// The reason, for a note, where it certainly cannot.
     pub fn may_shadow(&self, bounds: &Aabb) -> Result<(), &'static str> {
         culling::may_shadow(self.view, self.light(), bounds)
     }
@@ -98,23 +98,23 @@ impl<'a> LightContext<'a> {
         self.layer
     }
 
-    /// Whether some technique that serves this light takes it to have a size. Then a surface that is turned away from the
-    /// light's centre may still see a part of it: what other techniques leave there counts, and the surface's own plane is
-    /// to darken nothing.
+    /// Whether some technique that serves this light gives it a size. A surface that is turned away from the light's
+    /// centre may then still see a part of it: what other techniques leave there counts, and a surface must not be
+    /// darkened by what lies in its own plane.
     pub fn has_size(&self) -> bool {
         self.has_size
     }
 
-    /// Whether another node that serves this light takes it to have a size. It decides then which surfaces are beyond whose
-    /// horizon ([`Contribution::own_shadow`](super::Contribution::own_shadow)), and the engine darkens none for being turned
-    /// away: a technique for lights with a size has to darken those that see nothing of its own disc.
+    /// Whether another node that serves this light gives it a size. That node then has the horizon in its factor
+    /// ([`Contribution::own_shadow`](super::Contribution::own_shadow)), and the engine darkens no surface for being turned away:
+    /// a technique for lights with a size must darken those that see nothing of its own disc.
     pub fn is_beside_size(&self) -> bool {
         self.is_beside_size
     }
 
-    /// A bound on what others have counted in the stencil so far: for this light, or for all lights that darken the
-    /// finished picture once, where `apply` says that this node does so too. A technique whose sum with it would exceed
-    /// 223 folds first.
+    /// An upper bound on what other nodes have counted in the stencil so far: for this light, or, where `apply` is
+    /// [`Apply::DarkenOnce`](super::Apply::DarkenOnce), for all lights that darken the picture once. A technique must
+    /// fold first if the sum of this and its own bound exceeds 223.
     pub fn counts_before(&self, apply: Apply) -> u32 {
         match apply {
             Apply::DarkenOnce { .. } => self.counts_before.darkening,
@@ -143,7 +143,7 @@ impl<'a> LightContext<'a> {
         })
     }
 
-    /// A refusal of this node for `reason`.
+    /// The error by which a technique refuses this node for `reason`.
     pub fn unsupported(&self, reason: impl Into<String>) -> ShadowError {
         ShadowError::Unsupported {
             node: self.claim.node.clone(),

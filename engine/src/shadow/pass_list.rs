@@ -3,20 +3,20 @@
 use crate::plan::{self, BufferDesc, Resource, Slots, Symbol, TextureDesc};
 use crate::scene::{ImageKey, SceneSnapshot};
 
-/// A pass as it is planned.
+/// A pass while the frame is planned.
 pub type Pass = plan::Pass<Resource>;
-/// A draw as it is planned.
+/// A draw while the frame is planned.
 pub type Draw = plan::Draw<Resource>;
-/// What a draw draws, as it is planned.
+/// What a draw draws, while the frame is planned.
 pub type Geometry = plan::Geometry<Resource>;
-/// What a shader reads, as it is planned.
+/// What a shader reads, while the frame is planned.
 pub type Binding = plan::Binding<Resource>;
-/// A colour attachment as it is planned.
+/// A colour attachment while the frame is planned.
 pub type ColorTarget = plan::ColorTarget<Resource>;
-/// A depth attachment as it is planned.
+/// A depth attachment while the frame is planned.
 pub type DepthTarget = plan::DepthTarget<Resource>;
 
-/// The passes of one node for one light on one set of receivers, in the making.
+/// Collects the passes of one node for one light and one set of receivers, and hands out their textures and buffers.
 #[derive(Debug)]
 pub struct PassList<'a> {
     pub(crate) snapshot: &'a SceneSnapshot,
@@ -33,12 +33,12 @@ impl PassList<'_> {
         self.passes.push(pass);
     }
 
-    /// A texture.
+    /// A texture for the passes of this node.
     pub fn texture(&mut self, desc: TextureDesc<'_>) -> Resource {
         self.slots.texture(desc).into()
     }
 
-    /// A buffer.
+    /// A buffer for the passes of this node.
     pub fn buffer(&mut self, desc: BufferDesc<'_>) -> Resource {
         self.slots.buffer(desc).into()
     }
@@ -65,22 +65,22 @@ impl PassList<'_> {
         Resource(Symbol::VisibleTriangles)
     }
 
-    /// The plane of the triangle that every pixel shows, as `texture_2d<u32>`: what `unpacked_plane` of
-    /// `common/receiver_depth` reads. There are its unit normal in view space on the eye's side (the triangle's own, not one
-    /// blended between vertices), how high it is over the eye, and how far the triangle's nearest and farthest corners are, in
-    /// metres; these are 0 where the surface does not receive shadows or nothing is seen. `on_plane` there says where the visible
-    /// point is by plane and depth together: depth alone is badly known on triangles thinner than a pixel. In the plan only when
-    /// some pass reads it.
+    /// The plane of the triangle that every pixel shows, as `texture_2d<u32>` for `unpacked_plane` of
+    /// `common/receiver_depth`: its unit normal in view space on the eye's side (the triangle's own, not
+    /// interpolated), its height over the eye, and the distances of the triangle's nearest and farthest corners, in
+    /// metres. All are 0 where nothing is seen or the surface receives no shadows. `on_plane` there finds the visible
+    /// point from plane and depth, since depth alone is inaccurate on triangles thinner than a pixel. In the plan
+    /// only when some pass reads it.
     pub fn receiver_planes(&self) -> Resource {
         Resource(Symbol::ReceiverPlanes)
     }
 
-    /// Whether some pass has multiplied the light's visibility already: else it is 1, and need not be read.
+    /// Whether an earlier pass multiplies the light's visibility; until one does it is 1 and need not be read.
     pub fn visibility_is_touched(&self) -> bool {
         self.visibility_is_touched || self.passes.iter().any(|pass| pass.draws_into(Resource::VISIBILITY))
     }
 
-    /// Takes out the passes so far, in order: a technique that wraps another adds of them what it wants.
+    /// Takes out the passes so far, in order, for a technique that wraps another and changes its passes.
     pub fn take_passes(&mut self) -> Vec<Pass> {
         std::mem::take(&mut self.passes)
     }

@@ -3,8 +3,8 @@
 use super::ShadowTechnique;
 use crate::scene::{SceneSnapshot, Scope};
 
-/// The receivers of a node that is to shade all it can: every mesh, or, for a technique that shades receivers only, every
-/// mesh that it accepts; if it accepts none, every mesh again, so that the refusal says why.
+/// The receivers of a node that shades all it can: every mesh, or, for a technique that shades receivers only, every
+/// mesh that it accepts. If it accepts none, every mesh again, so that its refusal gives the reason.
 pub fn receivers_for(snapshot: &SceneSnapshot, technique: &dyn ShadowTechnique) -> Scope {
     let receives = snapshot.instances.iter().filter(|i| i.shadow.receives && technique.receives(i).is_ok());
     let nodes: Vec<_> = receives.map(|instance| instance.node).collect();

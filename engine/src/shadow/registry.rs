@@ -15,7 +15,7 @@ pub struct Claim {
     pub technique: Arc<dyn ShadowTechnique>,
     /// The technique's type name.
     pub type_name: &'static str,
-    /// The technique's type name, and after it every option that is not at its default.
+    /// The technique's type name, followed by every option that is not at its default.
     pub label: String,
     /// Indices into [`SceneSnapshot::instances`], ascending; none is claimed twice for the same light.
     pub casters: Vec<usize>,
@@ -24,7 +24,7 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// How large the technique takes the light to be: what its part of the factor is compared with.
+    /// How large the technique takes the light to be; its part of the factor is compared with that of such a light.
     pub fn light_size(&self) -> LightSize {
         self.technique.traits().light_size
     }
@@ -123,14 +123,6 @@ impl Registry {
         Ok(())
     }
 
-    /// The casters of `light`, over all claims, ascending.
-    pub fn casters_of(&self, light: usize) -> Vec<usize> {
-        let mut casters: Vec<usize> =
-            self.lights[light].iter().flat_map(|claim| claim.casters.clone()).collect();
-        casters.sort_unstable();
-        casters
-    }
-
     /// The casters of `light` whose transparent surfaces cast too, ascending.
     pub fn transparent_casters_of(&self, light: usize) -> Vec<usize> {
         let claims = self.lights[light].iter().filter(|claim| claim.technique.traits().casts_transparent);
@@ -139,7 +131,7 @@ impl Registry {
         casters
     }
 
-    /// On which transparent surfaces shadows of `light` fall.
+    /// The transparent surfaces on which shadows of `light` fall.
     pub fn receiver_layers(&self, light: usize) -> Layers {
         self.lights[light]
             .iter()

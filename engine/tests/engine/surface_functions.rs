@@ -1,5 +1,7 @@
 //! Surface functions that cannot be: the error names the function, the line in its own text, and what is accepted.
 
+use std::sync::Arc;
+
 use glam::{DAffine3, Vec2, Vec3};
 use shadowgraph_engine::geometry::{Mesh, shapes};
 use shadowgraph_engine::gltf;
@@ -174,7 +176,7 @@ fn texts_of_any_size_end_with_an_answer() {
 #[test]
 fn materials_are_compared_by_name_and_text_and_saving_says_what_it_leaves_out() {
     let function = || SurfaceFunction::new("mine", PLAIN).unwrap();
-    let material = || Material::matt("paper", Vec3::ONE).with_surface(function());
+    let material = || Material { surface: Some(Arc::new(function())), ..Material::matt("paper", Vec3::ONE) };
     assert_eq!(material(), material().clone());
     assert_ne!(material(), Material::matt("paper", Vec3::ONE));
     assert_ne!(function(), SurfaceFunction::new("other", PLAIN).unwrap());

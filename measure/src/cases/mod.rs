@@ -46,7 +46,7 @@ use stage::Stage;
 
 pub use table::all;
 
-/// What a technique that claims a case must produce.
+/// What a technique must produce for a case that it takes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Expect {
     /// The reference's factor, and at least one visible pixel is dark and one lit for every light.
@@ -71,12 +71,12 @@ pub enum About {
     Glass,
 }
 
-/// Techniques that have a part in every scene, by type name. What is tried is put in their place by [`Case::scene_with`].
+/// The techniques in the cases' scenes, by type name. [`Case::scene_with`] replaces the one that is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cast {
-    /// Of the node that is there to be tried.
+    /// The technique of the node that is there to be tried.
     pub tried: &'static str,
-    /// Of nodes beside it that give a light a size, by the option `radius`.
+    /// The technique of nodes beside it that give a light a size, by the option `radius`.
     pub sized: &'static str,
 }
 
@@ -129,7 +129,7 @@ impl Case {
         if self.variant.is_empty() { self.id.into() } else { format!("{}/{}", self.id, self.variant) }
     }
 
-    /// Whether what the case is about casts nothing through this technique, by design.
+    /// Whether the casters that the case is about cast nothing through this technique, by design.
     pub fn is_left_out_by(&self, technique: &dyn ShadowTechnique) -> bool {
         self.about == About::Glass && !technique.traits().casts_transparent
     }

@@ -240,7 +240,7 @@ pub(super) fn nested_shells() -> Vec<Stage> {
 }
 
 pub(super) fn terminator() -> Vec<Stage> {
-    // Few facets, smooth normals: shading and geometry disagree about where the night begins.
+    // Few facets, smooth normals: shading and geometry disagree about the terminator.
     [(2.5, 2.0), (0.5, 3.0), (-2.5, 1.8)]
         .map(|(x, y)| {
             Stage::new(format!("light-x={x}"))

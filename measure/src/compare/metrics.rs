@@ -30,15 +30,15 @@ use crate::reference::tracer::Hit;
 /// The band may hold this many pixels for each pixel of shadow boundary.
 pub const BAND_PIXELS_PER_BOUNDARY_PIXEL: usize = 3;
 
-/// What the band may hold beside that: shadows and gaps thinner than a pixel pass between pixel centres, so that they
-/// have pixels in the band and none on the boundary. A handful of those is no excuse for errors; more is.
+/// The band may hold this many pixels beside that: shadows and gaps thinner than a pixel pass between pixel centres,
+/// and then have pixels in the band but none on the boundary. More than a handful would excuse errors.
 pub const BAND_FLOOR_PIXELS: usize = 16;
 
 /// The largest share of hit pixels at which technique and reference may see different triangles before the comparison
 /// says nothing: edges cross a pixel centre's 1/256 neighbourhood in about 1 % of pixels even when every pixel has one.
 pub const MAX_DIFFERENT_SHARE: f64 = 0.1;
 
-/// So many may differ wherever: of a strip that ten pixels show, two are more than that share.
+/// So many may differ in any picture: of a strip that ten pixels show, two exceed that share.
 pub const DIFFERENT_FLOOR_PIXELS: usize = 4;
 
 /// Factors that differ by more are wrong.

@@ -4,14 +4,15 @@ use std::fmt;
 
 use super::metrics::{CompareError, LightError};
 
-/// What a light's errors say of the technique.
+/// What the errors of a light say about the technique.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Every pixel that was compared is right.
     Exact,
     /// Nothing was compared: no surface is in view, or within the light's range and cone, or turned but edge-on to it.
     NothingCompared,
-    /// Some pixels are off, and no samples were taken that would have to be right: an approximation, which its errors tell.
+    /// Some pixels are off, but the technique takes no samples that would have to be right: it approximates, and the
+    /// errors say how well.
     Approximates,
     /// Technique and reference see different surfaces at too many pixels for the rest to say anything.
     SeesOtherSurfaces,
@@ -35,8 +36,8 @@ impl fmt::Display for Verdict {
 }
 
 impl LightError {
-    /// What all this comes to. Beside the whole light, a technique that takes samples is judged by these: a light has one
-    /// verdict, whatever it is compared with.
+    /// The verdict on these errors. A technique that takes samples is judged by them even when compared with the
+    /// whole light: a light has one verdict.
     pub fn verdict(&self) -> Verdict {
         let is_right = self.wrong_outside_band == 0 && self.outside_bounds == 0;
         match self.by_samples {

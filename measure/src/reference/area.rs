@@ -24,10 +24,10 @@ use super::samples::SampleTree;
 use super::tracer::{CasterSet, Reference};
 use super::way::Way;
 
-/// As many samples stand for the whole light where nothing else is asked for.
+/// How many samples stand for the whole light unless another number is asked for.
 pub const CONVERGED_SAMPLES: u32 = 4096;
 
-/// The points of a disc that a reference asks.
+/// The points of a light's disc that the reference tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Samples {
     /// So many of [`light_samples`]: those that the technique takes, which is judged sample by sample.

@@ -336,7 +336,7 @@ impl Reference {
             for (crossing, sample) in crossings.iter_mut().zip(samples) {
                 let light = way.sample(index, sample);
                 let direction = light.truncate() - point * light.w;
-                // A hull stays one where nothing of it is behind the point.
+                // A hull none of which is behind the point stays a hull.
                 let t = triangle.plane_parameter(point, direction).filter(|t| *t > 0.0)?;
                 *crossing = point + direction * t;
             }

@@ -40,15 +40,15 @@ pub const DEPTH_ULPS: u32 = 64;
 /// How far a rasteriser moves each coordinate of a corner, in pixels, when it snaps it to the nearest [`PIXEL_MOVE`].
 pub const CORNER_SNAP: f64 = PIXEL_MOVE / 2.0;
 
-/// A surface that gets no more than this share of a light, from all of it, is but grazed: under half a grey level of a picture that
-/// the light's full share just fills. A lamp in a floor's own plane, as near as f32 tells, lights all of the floor or
-/// nothing; the band then has no edge to be compared with, and what it holds is seen by nobody.
+/// A surface that gets no more than this share of a light is only grazed by it: under half a grey level of a picture
+/// that the light's full share just fills. A lamp in a floor's own plane, as near as f32 can tell, lights all of the
+/// floor or none; its ambiguity band has no edge to be compared with, and whatever it holds is invisible.
 pub const GRAZED: f64 = 1e-3;
 
 /// Told (rows done, rows in all) from any thread, in no certain order.
 pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
-/// A light to judge, and what casts for it. The factors of all parts are multiplied.
+/// A light to judge, and what casts for it. Its factor is the product of those of all parts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightQuery {
     /// The index of the light in `SceneSnapshot::lights`.
@@ -90,18 +90,19 @@ pub struct LightReference {
     pub compared: Vec<bool>,
     /// Whether the factor changes under the moves of the ambiguity band.
     pub ambiguous: Vec<bool>,
-    /// Whether an ambiguous pixel does not count for the band's limit: where the light but grazes the surface ([`GRAZED`]), and
-    /// nothing of it is seen whatever the factor, and where the surface or a caster in its plane ends within the snap, which is an
-    /// edge. Empty where nobody asked.
+    /// Whether an ambiguous pixel is left out of the band's limit: where the light only grazes the surface
+    /// ([`GRAZED`]), so that its factor is invisible, and where the surface or a caster in its plane ends within the
+    /// snap, which is an edge. Empty where not asked for.
     pub uncounted: Vec<bool>,
-    /// By how much, where the light has a size; without one, an ambiguous factor may be anything.
+    /// The bounds of ambiguous factors, where the light has a size; without one, an ambiguous factor may be anything
+    /// from 0 to 1.
     pub soft: Option<SoftBounds>,
-    /// What is said of those [`ReferenceImage::ties`], by their places in that list, of which something else is said than
-    /// of what the pixel's centre shows: such a surface may not receive shadows at all.
+    /// The answers for those [`ReferenceImage::ties`], by their places in that list, that differ from the answer for
+    /// what the pixel's centre shows: such a surface may not receive shadows at all.
     pub tied: Vec<(u32, PixelReference)>,
 }
 
-/// What is said of a light at one pixel.
+/// The reference's answer for a light at one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelReference {
     /// Red, green and blue; three times the same for a factor of one channel.

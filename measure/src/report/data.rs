@@ -49,18 +49,13 @@ impl Report {
         let mut failures = Vec::new();
         for scene in &self.scenes {
             failures.extend(scene.failure.iter().map(|why| format!("scene '{}': {why}", scene.name)));
-            for point in &scene.points {
-                if let Outcome::Failed(why) = &point.outcome {
-                    failures.push(format!("scene '{}', {}: {why}", scene.name, point.label()));
-                }
-            }
+            let failed =
+                scene.points.iter().filter_map(|point| Some((point.label(), point.outcome.failure()?)));
+            failures.extend(failed.map(|(label, why)| format!("scene '{}', {label}: {why}", scene.name)));
         }
         for axis in &self.axes {
             for (technique, steps) in &axis.techniques {
-                let failed = steps.iter().filter_map(|step| match &step.outcome {
-                    StepOutcome::Failed(why) => Some((step.value, why)),
-                    _ => None,
-                });
+                let failed = steps.iter().filter_map(|step| Some((step.value, step.outcome.failure()?)));
                 failures.extend(
                     failed.map(|(value, why)| format!("{technique} at {value} {}: {why}", axis.parameter)),
                 );
@@ -68,10 +63,7 @@ impl Report {
         }
         for sweep in &self.sweeps {
             for (technique, steps) in &sweep.techniques {
-                let failed = steps.iter().filter_map(|step| match &step.outcome {
-                    StepOutcome::Failed(why) => Some((step.value, why)),
-                    _ => None,
-                });
+                let failed = steps.iter().filter_map(|step| Some((step.value, step.outcome.failure()?)));
                 failures
                     .extend(failed.map(|(value, why)| format!("{technique} at {} {value}: {why}", sweep.id)));
             }
@@ -121,7 +113,7 @@ pub struct Point {
     /// The error that the technique has by design.
     pub known_error: &'static str,
     /// What came of it.
-    pub outcome: Outcome,
+    pub outcome: Outcome<Box<Measurement>>,
 }
 
 impl Point {
@@ -132,10 +124,7 @@ impl Point {
 
     /// What was measured, if it was.
     pub fn measurement(&self) -> Option<&Measurement> {
-        match &self.outcome {
-            Outcome::Measured(measurement) => Some(measurement),
-            _ => None,
-        }
+        self.outcome.measured().map(Box::as_ref)
     }
 }
 
@@ -144,15 +133,41 @@ pub(super) fn label(short_name: &str, setting: &str) -> String {
     if setting == "default" { short_name.into() } else { format!("{short_name} {setting}") }
 }
 
-/// What came of a technique on a scene.
+/// What came of a technique on a scene, or at one step.
 #[derive(Clone, Debug)]
-pub enum Outcome {
+pub enum Outcome<T> {
     /// It was measured.
-    Measured(Box<Measurement>),
-    /// The technique refused the scene: a typed error, told as it was.
+    Measured(T),
+    /// The technique refused it: a typed error, told as it was.
     Refused(String),
     /// Something went wrong.
     Failed(String),
+}
+
+impl<T> Outcome<T> {
+    /// What was measured, if it was.
+    pub fn measured(&self) -> Option<&T> {
+        match self {
+            Self::Measured(measured) => Some(measured),
+            _ => None,
+        }
+    }
+
+    /// Why the technique refused, if it did.
+    pub fn refusal(&self) -> Option<&str> {
+        match self {
+            Self::Refused(why) => Some(why),
+            _ => None,
+        }
+    }
+
+    /// Why it failed, if it did; a refusal is an answer and no failure.
+    pub fn failure(&self) -> Option<&str> {
+        match self {
+            Self::Failed(why) => Some(why),
+            _ => None,
+        }
+    }
 }
 
 /// What was measured.
@@ -203,27 +218,6 @@ pub struct PassReport {
     pub gpu_ms: Option<Spread>,
 }
 
-/// What came of one step.
-#[derive(Clone, Debug)]
-pub enum StepOutcome<T> {
-    /// It was measured.
-    Measured(T),
-    /// The technique refused it.
-    Refused(String),
-    /// Something went wrong.
-    Failed(String),
-}
-
-impl<T> StepOutcome<T> {
-    /// What was measured, if it was.
-    pub fn measured(&self) -> Option<&T> {
-        match self {
-            Self::Measured(measured) => Some(measured),
-            _ => None,
-        }
-    }
-}
-
 /// Cost against the size of one thing.
 #[derive(Clone, Debug)]
 pub struct AxisReport {
@@ -243,7 +237,7 @@ pub struct AxisStep {
     /// How much of it there is.
     pub value: f64,
     /// Each round's frame minus that without shadows, in milliseconds.
-    pub outcome: StepOutcome<Spread>,
+    pub outcome: Outcome<Spread>,
 }
 
 /// Error against a parameter.
@@ -275,5 +269,5 @@ pub struct SweepStep {
     /// The value.
     pub value: f64,
     /// The error of all lights together.
-    pub outcome: StepOutcome<Totals>,
+    pub outcome: Outcome<Totals>,
 }

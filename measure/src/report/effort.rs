@@ -59,8 +59,6 @@ pub struct Effort {
     pub all_settings: bool,
 }
 
-const ALL_PARTS: Parts = Parts { scenes: true, scaling: true, sweeps: true };
-
 const fn pace(min_rounds: usize, max_rounds: usize, budget_ms: u64) -> Pace {
     Pace { min_rounds, max_rounds, budget: Duration::from_millis(budget_ms) }
 }
@@ -69,7 +67,6 @@ impl Effort {
     /// Two minutes or little more on two cores and the software driver, with defaults only.
     pub const QUICK: Self = Self {
         name: "quick",
-        parts: ALL_PARTS,
         size_px: [320, 180],
         soft_size_px: [160, 90],
         whole_light_samples: [256, 64],
@@ -84,14 +81,13 @@ impl Effort {
             sizes_px: &[[256, 256], [362, 362], [512, 512], [724, 724]],
         },
         sweep_stride: 8,
-        scene_settings: true,
-        all_settings: false,
+        ..Self::DEFAULT
     };
 
     /// Every setting on every scene; with soft shadows in a furnished room that takes the software driver a while.
     pub const DEFAULT: Self = Self {
         name: "default",
-        parts: ALL_PARTS,
+        parts: Parts { scenes: true, scaling: true, sweeps: true },
         size_px: [1280, 720],
         soft_size_px: [320, 180],
         whole_light_samples: [4096, 1024],
@@ -113,8 +109,6 @@ impl Effort {
     /// Everything, the largest sizes too.
     pub const FULL: Self = Self {
         name: "full",
-        parts: ALL_PARTS,
-        size_px: [1280, 720],
         soft_size_px: [640, 360],
         whole_light_samples: [4096, 4096],
         scene_pace: pace(15, 101, 60_000),
@@ -136,8 +130,7 @@ impl Effort {
                 [3840, 2160],
             ],
         },
-        sweep_stride: 1,
-        scene_settings: true,
         all_settings: true,
+        ..Self::DEFAULT
     };
 }

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 use shadowgraph_engine::scene::{ParamValue, Params};
 
-use super::data::{AxisReport, Measurement, Outcome, Point, Report, SceneReport, StepOutcome, SweepReport};
+use super::data::{AxisReport, Measurement, Outcome, Point, Report, SceneReport, SweepReport};
 use super::fit::fit;
 use super::tables::axis_points;
 use super::totals::Totals;
@@ -179,13 +179,13 @@ fn params_json(params: &Params) -> Value {
     Value::Object(params.iter().map(|(name, v)| (name.clone(), value(v))).collect())
 }
 
-fn step_json<T>(name: &str, at: f64, outcome: &StepOutcome<T>, measured: impl Fn(&T) -> Value) -> Value {
+fn step_json<T>(name: &str, at: f64, outcome: &Outcome<T>, measured: impl Fn(&T) -> Value) -> Value {
     match outcome {
-        StepOutcome::Measured(value) => {
+        Outcome::Measured(value) => {
             json!({ name: at, "status": "measured", "measured": measured(value) })
         }
-        StepOutcome::Refused(reason) => json!({ name: at, "status": "refused", "reason": reason }),
-        StepOutcome::Failed(reason) => json!({ name: at, "status": "failed", "reason": reason }),
+        Outcome::Refused(reason) => json!({ name: at, "status": "refused", "reason": reason }),
+        Outcome::Failed(reason) => json!({ name: at, "status": "failed", "reason": reason }),
     }
 }
 

@@ -35,7 +35,7 @@ use std::path::PathBuf;
 
 pub use data::{
     AxisReport, AxisStep, Measurement, Outcome, PassReport, Point, Report, ReportScene, SceneReport,
-    StepOutcome, SweepReport, SweepStep,
+    SweepReport, SweepStep,
 };
 pub use effort::{Effort, Parts, Steps};
 pub use fit::{Fit, fit};

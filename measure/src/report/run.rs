@@ -6,7 +6,7 @@ use shadowgraph_engine::scene::Scene;
 use shadowgraph_engine::shadow::{Catalog, Setting, ShadowError, TechniqueEntry};
 
 use super::axes::{self, Axis, AxisScene};
-use super::data::{AxisReport, AxisStep, Report, ReportScene, StepOutcome, SweepReport, SweepStep, label};
+use super::data::{AxisReport, AxisStep, Outcome, Report, ReportScene, SweepReport, SweepStep, label};
 use super::effort::Effort;
 use super::references::References;
 use super::scene::{self, with_technique, without_shadows};
@@ -55,34 +55,47 @@ impl Bench<'_> {
         Renderer::new(self.gpu.clone(), self.catalog.clone())
     }
 
-    /// Every technique with every setting.
-    pub(super) fn settings(&self) -> Vec<(TechniqueEntry, Setting)> {
-        let of = |entry: &TechniqueEntry| entry.all_settings().map(|s| (*entry, s)).collect::<Vec<_>>();
+    /// The settings of all techniques: every one of those for which `every` says so, the default of the others.
+    fn settings(&self, every: impl Fn(&TechniqueEntry) -> bool) -> Vec<(TechniqueEntry, Setting)> {
+        let of = |entry: &TechniqueEntry| {
+            let count = if every(entry) { usize::MAX } else { 1 };
+            entry.all_settings().take(count).map(|setting| (*entry, setting)).collect::<Vec<_>>()
+        };
         self.catalog.entries().iter().flat_map(of).collect()
     }
 
     /// Those that scenes try.
     pub(super) fn scene_settings(&self) -> Vec<(TechniqueEntry, Setting)> {
-        let mut settings = self.settings();
-        settings.retain(|(_, setting)| self.effort.scene_settings || setting.name == Setting::DEFAULT.name);
-        settings
+        self.settings(|_| self.effort.scene_settings)
     }
 
-    /// Those that axes and sweeps try.
-    fn tried_settings(&self) -> Vec<(TechniqueEntry, Setting)> {
-        let mut settings = self.settings();
-        settings.retain(|(_, setting)| self.effort.all_settings || setting.name == Setting::DEFAULT.name);
-        settings
+    /// Those that axes try.
+    fn axis_settings(&self) -> Vec<(TechniqueEntry, Setting)> {
+        self.settings(|_| self.effort.all_settings)
     }
 
     /// Those that `sweep` tries: every quality of a technique whose own option it sweeps.
     fn settings_for(&self, sweep: &Sweep) -> Vec<(TechniqueEntry, Setting)> {
-        let mut settings = self.settings();
-        settings.retain(|(entry, setting)| {
-            let every = self.effort.all_settings || sweep.tries_all_of(entry);
-            every || setting.name == Setting::DEFAULT.name
+        self.settings(|entry| self.effort.all_settings || sweep.tries_all_of(entry))
+    }
+
+    /// A runner for the scene without shadows and one for each setting that can be planned; and of every setting why it cannot.
+    pub(super) fn runners(
+        &self,
+        scene: &Scene,
+        request: &FrameRequest,
+        settings: &[(TechniqueEntry, Setting)],
+    ) -> (Vec<Runner>, Vec<Option<RenderError>>) {
+        let runner = |scene| Runner { renderer: self.renderer(), scene, request: request.clone() };
+        let mut runners = vec![runner(without_shadows(scene))];
+        let errors = settings.iter().map(|(entry, setting)| {
+            let mut runner = runner(with_technique(scene, entry, setting));
+            let error = runner.renderer.plan(&runner.scene, request).err();
+            runners.extend(error.is_none().then_some(runner));
+            error
         });
-        settings
+        let errors = errors.collect();
+        (runners, errors)
     }
 }
 
@@ -121,30 +134,25 @@ pub fn run(
     report
 }
 
-/// Whether an error is a technique's refusal, which is an answer, or a failure.
-pub(super) fn is_refusal(error: &RenderError) -> bool {
-    let shadow = match error {
-        RenderError::Shadow(shadow) | RenderError::Frame(FrameError::Shadow(shadow)) => shadow,
-        _ => return false,
-    };
-    matches!(
-        shadow,
-        ShadowError::CasterRefused { .. }
-            | ShadowError::MissingFeature { .. }
-            | ShadowError::Unsupported { .. }
-    )
-}
-
-fn unmeasured<T>(error: &RenderError) -> StepOutcome<T> {
-    if is_refusal(error) {
-        StepOutcome::Refused(error.to_string())
-    } else {
-        StepOutcome::Failed(error.to_string())
+/// What an error is: a technique's refusal, which is an answer, or a failure.
+pub(super) fn unmeasured<T>(error: &RenderError) -> Outcome<T> {
+    match error {
+        RenderError::Shadow(shadow) | RenderError::Frame(FrameError::Shadow(shadow))
+            if matches!(
+                shadow,
+                ShadowError::CasterRefused { .. }
+                    | ShadowError::MissingFeature { .. }
+                    | ShadowError::Unsupported { .. }
+            ) =>
+        {
+            Outcome::Refused(error.to_string())
+        }
+        _ => Outcome::Failed(error.to_string()),
     }
 }
 
 fn measure_axis(bench: &Bench<'_>, axis: &Axis, steps: &mut Steps<'_>) -> AxisReport {
-    let settings = bench.tried_settings();
+    let settings = bench.axis_settings();
     let labels = settings.iter().map(|(entry, setting)| label(entry.short_name, setting.name));
     let mut report = AxisReport {
         parameter: axis.parameter,
@@ -168,30 +176,23 @@ fn measure_size(
     bench: &Bench<'_>,
     step: &AxisScene,
     settings: &[(TechniqueEntry, Setting)],
-) -> (Option<Spread>, Vec<StepOutcome<Spread>>) {
+) -> (Option<Spread>, Vec<Outcome<Spread>>) {
     let (scene, camera) = step.build();
     let request = FrameRequest::new(camera, step.size_px);
-    let runner = |scene: Scene| Runner { renderer: bench.renderer(), scene, request: request.clone() };
-    let mut runners = vec![runner(without_shadows(&scene))];
-    let mut outcomes = Vec::new();
-    for (entry, setting) in settings {
-        let mut runner = runner(with_technique(&scene, entry, setting));
-        let planned = runner.renderer.plan(&runner.scene, &runner.request);
-        outcomes.push(planned.as_ref().err().map(unmeasured));
-        runners.extend(planned.is_ok().then_some(runner));
-    }
-    let failed = |why: String| outcomes.iter().map(|_| StepOutcome::Failed(why.clone())).collect();
+    let (mut runners, errors) = bench.runners(&scene, &request, settings);
+    let failed = |why: String| errors.iter().map(|_| Outcome::Failed(why.clone())).collect();
     let times_ms = match take_turns(&mut runners, &bench.effort.axis_pace) {
         Ok(times_ms) => times_ms,
         Err(error) => return (None, failed(error.to_string())),
     };
     let mut shadowed = times_ms[1..].iter();
-    let outcomes = outcomes.into_iter().map(|refused| {
-        refused.unwrap_or_else(|| {
+    let outcomes = errors.iter().map(|error| match error {
+        Some(error) => unmeasured(error),
+        None => {
             let with_ms = shadowed.next().map_or(&[][..], |times| times);
             let added = with_ms.iter().zip(&times_ms[0]).map(|(with, without)| with - without);
-            StepOutcome::Measured(Spread::of(added.collect()))
-        })
+            Outcome::Measured(Spread::of(added.collect()))
+        }
     });
     (Some(Spread::of(times_ms[0].clone())), outcomes.collect())
 }
@@ -213,7 +214,7 @@ fn measure_sweep(bench: &Bench<'_>, sweep: &Sweep, steps: &mut Steps<'_>) -> Swe
         let measure = |((value, case), known): (&&(f64, Case), &mut KnownReferences)| {
             let outcome = match case.scene_with(&entry, &(setting.params)()) {
                 Ok(scene) => measure_case(&mut renderer, &scene, case, known),
-                Err(error) => StepOutcome::Failed(error.to_string()),
+                Err(error) => Outcome::Failed(error.to_string()),
             };
             SweepStep { value: *value, outcome }
         };
@@ -238,18 +239,18 @@ fn measure_case(
     scene: &Scene,
     case: &Case,
     known: &mut KnownReferences,
-) -> StepOutcome<Totals> {
+) -> Outcome<Totals> {
     let request = case.request();
     match evaluate_again(renderer, scene, &request, known, &|_, _| {}) {
         // Beside the whole light, whatever samples a technique takes.
         Ok(found) => match evaluate_converged(renderer, scene, &request, &found, known, &|_, _| {}) {
             Ok(Some(whole)) => {
-                StepOutcome::Measured(Totals::of(&whole.errors, &found.measured, &whole.reference))
+                Outcome::Measured(Totals::of(&whole.errors, &found.measured, &whole.reference))
             }
-            Ok(None) => StepOutcome::Measured(Totals::of(&found.errors, &found.measured, &found.reference)),
-            Err(error) => StepOutcome::Failed(error.to_string()),
+            Ok(None) => Outcome::Measured(Totals::of(&found.errors, &found.measured, &found.reference)),
+            Err(error) => Outcome::Failed(error.to_string()),
         },
         Err(EvaluateError::Render(error)) => unmeasured(&error),
-        Err(error) => StepOutcome::Failed(error.to_string()),
+        Err(error) => Outcome::Failed(error.to_string()),
     }
 }

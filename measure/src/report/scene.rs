@@ -14,7 +14,7 @@ use shadowgraph_engine::shadow::receivers_for;
 
 use super::data::{Measurement, Outcome, PassReport, Point, ReportScene, SceneReport};
 use super::references::{References, Traced};
-use super::run::{Bench, Steps, is_refusal};
+use super::run::{Bench, Steps, unmeasured};
 use super::totals::Totals;
 use crate::compare::evaluate::on_receivers;
 use crate::compare::timing::{PassTimes, Runner, Spread, take_turns, time_passes};
@@ -105,20 +105,18 @@ fn fill(
     report.lights = snapshot.lights.len();
     let request = FrameRequest::new(camera.clone(), bench.effort.size_px);
 
-    let runner = |scene| Runner { renderer: bench.renderer(), scene, request: request.clone() };
-    let mut runners = vec![runner(without_shadows(given))];
+    let settings = bench.scene_settings();
+    let (mut runners, errors) = bench.runners(given, &request, &settings);
     let mut accepted_points = Vec::new();
-    for (entry, setting) in bench.scene_settings() {
-        let mut runner = runner(with_technique(given, &entry, &setting));
-        let outcome = match runner.renderer.plan(&runner.scene, &request) {
-            Ok(_) => {
+    for ((entry, setting), error) in settings.iter().zip(&errors) {
+        let outcome = match error {
+            Some(error) => unmeasured(error),
+            None => {
                 accepted_points.push(report.points.len());
-                runners.push(runner);
                 Outcome::Failed("it was not measured".into())
             }
-            Err(error) => unmeasured(&error),
         };
-        report.points.push(point(&entry, &setting, outcome)?);
+        report.points.push(point(entry, setting, outcome)?);
     }
     steps.next(&format!("{}: time", scene.name));
     let accepted = time(bench, &mut runners, accepted_points, report)
@@ -147,7 +145,11 @@ fn fill(
     Ok(())
 }
 
-fn point(entry: &TechniqueEntry, setting: &Setting, outcome: Outcome) -> Result<Point, String> {
+fn point(
+    entry: &TechniqueEntry,
+    setting: &Setting,
+    outcome: Outcome<Box<Measurement>>,
+) -> Result<Point, String> {
     let params = (setting.params)();
     // A setting that its own technique does not accept is a mistake of the technique's.
     let technique = (entry.from_params)(&params)
@@ -161,10 +163,6 @@ fn point(entry: &TechniqueEntry, setting: &Setting, outcome: Outcome) -> Result<
         known_error: technique.traits().known_error,
         outcome,
     })
-}
-
-fn unmeasured(error: &RenderError) -> Outcome {
-    if is_refusal(error) { Outcome::Refused(error.to_string()) } else { Outcome::Failed(error.to_string()) }
 }
 
 /// Times all runners in turn, and then each one's passes; the first runner has no shadows.
@@ -208,7 +206,11 @@ struct Judged {
     errors: Vec<LightError>,
 }
 
-fn judge(bench: &Bench<'_>, runner: &mut Runner, references: &mut References) -> Result<Judged, Outcome> {
+fn judge(
+    bench: &Bench<'_>,
+    runner: &mut Runner,
+    references: &mut References,
+) -> Result<Judged, Outcome<Box<Measurement>>> {
     let Runner { renderer, scene, request } = runner;
     let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
     let frame = renderer.render(scene, request, &options).map_err(|error| unmeasured(&error))?;

@@ -138,8 +138,8 @@ fn short(value: f64) -> String {
     text.strip_suffix(".0").map_or(text.clone(), String::from)
 }
 
-/// Text as content or attribute of HTML and SVG. Control characters, which neither may hold, become visible.
-pub(super) fn escaped(text: &str) -> String {
+/// Text as content or attribute of SVG. Control characters, which neither may hold, become visible.
+fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

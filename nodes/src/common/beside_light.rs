@@ -3,7 +3,7 @@
 //! From a lamp close over a face, the face's edges span almost half circles, and the face half of all directions. The way
 //! between directions that are all but opposite is then nothing that f32 could tell, and whole regions would be dark or lit by
 //! rounding. So edges are cut where they pass the lamp, and faces right under it: each part is seen under a tame angle, from
-//! however near. What is extruded from a cut, and from corners next to the lamp, is reckoned in f64 and handed to the shader as
+//! however near. What is extruded from a cut, and from corners next to the lamp, is computed in f64 and handed to the shader as
 //! a direction.
 //!
 //! *Why it cannot leak.* An edge is cut at a place that depends on its ends and the lamp alone, so all triangles and sides at

@@ -8,18 +8,18 @@ use shadowgraph_engine::geometry::Topology;
 use shadowgraph_engine::math::{Aabb, Plane, ViewFrustum};
 use shadowgraph_engine::scene::Instance;
 
-/// Whether an eye outside a solid may see its inside, where triangles that face the light outwards do not tell all that is
-/// dark: single-sided walls are looked through where they turn their back to the eye. Solids that are wound inwards turn it
-/// to every eye outside (closed rooms, usually); bending can push parts of a mesh through others, inside out. (A mirroring
-/// transform turns winding and culling alike.)
+/// Whether an eye outside a solid may see its inside; the triangles that face the light outwards are then not enough
+/// to cast. An eye sees through single-sided walls that turn their backs to it. Solids wound inwards (closed rooms,
+/// usually) show their inside to every eye outside, and bending can push parts of a mesh through others, inside out.
+/// (A mirroring transform turns winding and culling alike.)
 pub fn shows_its_inside(instance: &Instance, topology: &Topology) -> bool {
     let single_sided = instance.materials.iter().any(|material| !material.double_sided);
     let wound_inwards = || topology.components().iter().any(|component| component.signed_volume < 0.0);
     single_sided && (instance.mesh.is_posed() || wound_inwards())
 }
 
-/// Whether some point of the near rectangle may be shadowed by a caster within `bounds`. False means: certainly
-/// none, so counting from the near plane (z-pass) is right for this caster.
+/// Whether a caster within `bounds` may shadow some point of the near rectangle. False only where it certainly does
+/// not, so that counting from the near plane (z-pass) is right for it.
 pub fn near_plane_may_be_shadowed(frustum: &ViewFrustum, light: DVec4, bounds: &Aabb) -> bool {
     !segments_from_eye_miss(frustum, light, bounds) && !near_pyramid_misses(frustum, light, bounds)
 }

@@ -17,16 +17,16 @@ pub enum End {
     Infinite,
     /// On this plane, in world space; light and receivers are on its positive side.
     Plane(Plane),
-    /// As a copy of the caster scaled about the light by 1 + this; for orthographic views, in which a point at
-    /// infinity has no place. The factor puts the copy beyond everything in view.
+    /// As a copy of the caster scaled about the light by 1 + this factor, beyond everything in view: for orthographic
+    /// views, which have no place for points at infinity.
     Scaled(f64),
-    /// So far from where it begins, in metres: for orthographic views of casters that the light is next to or within, of
-    /// which a scaled copy would be of any size. Beyond everything in view, as long as no edge spans more than a right
-    /// angle as the light sees it: see [`super::beside_light`].
+    /// At this distance from where it begins, in metres, beyond everything in view: for orthographic views of casters
+    /// that the light is next to or within, of which a scaled copy could have any size. Right as long as no edge
+    /// spans more than a right angle as the light sees it: see [`super::beside_light`].
     Reach(f64),
 }
 
-/// Within this share of a caster's radius from it, a light is beside it.
+/// A light is beside a caster within this share of the caster's radius.
 pub const BESIDE: f64 = 0.1;
 
 /// Stretches beyond this are not taken: sides that nearly miss the plane gain nothing.

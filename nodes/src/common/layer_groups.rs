@@ -56,8 +56,8 @@ pub struct Groups {
     pub folds: bool,
 }
 
-/// Splits `casters` into groups whose counts the stencil can hold, beside what others counted for the light before.
-/// Kept until a caster or the light moves. `apply` says beside what they are counted.
+/// Splits `casters` into groups whose counts the stencil can hold on top of what others counted for the light before.
+/// `apply` says which counts those are ([`LightContext::counts_before`]). Kept until a caster or the light moves.
 pub fn group_by_layers(
     light: &LightContext<'_>,
     out: &mut PassList<'_>,

@@ -1,5 +1,5 @@
 //! Alpha-masked casters, texel by texel: at every pixel the triangles in the light's way are asked for holes (see
-//! [`super::listed`]), and the first crossing that is no hole makes the pixel dark. The mask is looked up by the function
+//! [`super::ray_candidates`]), and the first crossing that is no hole makes the pixel dark. The mask is looked up by the function
 //! by which the visible surface gets its holes.
 //!
 //! *Limits.* A target of visibility and a pass over the picture for each light with masked casters. The cost is that of

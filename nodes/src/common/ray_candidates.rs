@@ -194,7 +194,8 @@ struct Batch<T> {
     triangles: usize,
 }
 
-/// All triangles that one light asks; `T` is what the technique's shader knows of a triangle, `C` of a caster.
+/// All triangles that may block the rays of one light; `T` is what the technique's shader knows of a triangle, `C` of
+/// a caster.
 pub struct RayCandidates<T, C> {
     batches: Vec<Batch<T>>,
     casters: Vec<C>,
@@ -223,7 +224,7 @@ impl<T: Pod + Send + Sync, C: Pod> RayCandidates<T, C> {
         self.casters.push(caster);
     }
 
-    /// Whether there is nothing to ask.
+    /// Whether there are no triangles to test.
     pub fn is_empty(&self) -> bool {
         self.batches.is_empty()
     }
@@ -233,8 +234,11 @@ impl<T: Pod + Send + Sync, C: Pod> RayCandidates<T, C> {
         self.casters.len()
     }
 
-    /// The draws that ask every pixel, one for each image; `bounds` is the box around all casters. `what` names the
-    /// triangles in the plan's text, `shader` is the one for triangles with a texture, or without.
+    /// The draws that test the triangles at every pixel, one for each image; `bounds` is the box around all casters.
+    /// `what` names the triangles in the plan's text, `shader` is the one for triangles with a texture, or without.
+    ///
+    /// # Errors
+    /// What is wrong with a shader.
     pub fn draws(
         &self,
         (light, out): (&LightContext<'_>, &mut PassList<'_>),

@@ -144,11 +144,12 @@ pub enum Half {
     Both,
     /// Those that face the light outwards: for solids with the light outside.
     Lit,
-    /// Those that face away from it: for solids with the light outside, whose own far side stays undecided.
+    /// Those that face away from it: for solids with the light outside, whose own far side stays undecided (smooth
+    /// terminators).
     Unlit,
 }
 
-/// What the facing signs of one caster say before it is cast: kept between frames.
+/// The facing signs of one caster towards one light, and which triangles cast; kept between frames.
 #[derive(Clone, Debug)]
 pub struct CasterFacing {
     /// Welded vertices in the world.
@@ -157,7 +158,7 @@ pub struct CasterFacing {
     pub signs: Vec<i8>,
     /// The triangles with a sign other than 0.
     pub cast: Vec<u32>,
-    /// Which triangles were to cast.
+    /// Which triangles were asked to cast.
     pub half: Half,
 }
 
@@ -237,7 +238,7 @@ pub struct VolumeIndices {
     /// way round. (Turning the triangle instead could change its depth by a rounding, and caps must equal the
     /// visible surface bit by bit.)
     pub front_caps_turned: Range<u32>,
-    /// Front caps of triangles that close the mesh and that nobody sees.
+    /// Front caps of triangles that close the mesh and are not drawn.
     pub unseen_caps: Range<u32>,
     /// Those of them that count the other way round.
     pub unseen_caps_turned: Range<u32>,

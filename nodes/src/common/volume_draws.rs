@@ -23,12 +23,12 @@ pub struct Volume<'a> {
     pub caster: Caster<'a>,
     /// Whether it is counted behind what is seen, not before it.
     pub z_fail: bool,
-    /// Whether front caps may lie before what is seen. Where all of a caster is in the depth buffer none does, and z-pass
-    /// goes without them; but of a single-sided surface only one side is.
+    /// Whether front caps may lie before what is seen. z-pass needs none where all of the caster is in the depth
+    /// buffer; of a single-sided surface only one side is.
     pub hidden_caps_count: bool,
-    /// Whether what is seen may lie in a cap's plane, turned away from the light's centre and yet not dark, as transparent
-    /// surfaces are, and those that see a part of a light with a size: there the view leaves a volume at the very depth of
-    /// what it sees, and has left it.
+    /// Whether a visible surface may lie in a cap's plane, turned away from the light's centre and yet not dark:
+    /// transparent surfaces, and those that see a part of a light with a size. The view leaves the volume at the very
+    /// depth of such a surface, which counts as outside.
     pub falls_on_itself: bool,
     /// Where the sides begin through which the view enters it.
     pub begin: Begin,
@@ -263,7 +263,7 @@ pub fn runs(volume: &Volume<'_>, indices: &VolumeIndices) -> Vec<Run> {
         [(&indices.front_caps, How::caps(1)), slivers, (&indices.front_caps_turned, How::caps(-1))];
     if volume.half == Half::Unlit {
         // The far side of the caster itself is not to be in its shadow: there the view leaves the volume at the very
-        // depth of what it sees. Where it enters through a cap, nobody sees the cap, and depth is as it always is.
+        // depth of what it sees. Where it enters through a cap, the cap is not seen, and depth needs no care.
         let leaving = |how| How { faces: Faces::Leaving, caps: Some(Caps::Ahead), ..how };
         wanted.extend(front_caps.map(|(run, how)| (run, leaving(how))));
         if volume.z_fail {

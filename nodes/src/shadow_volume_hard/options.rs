@@ -19,29 +19,30 @@ pub enum Extrusion {
     ToBounds,
 }
 
-/// Where the night begins on a caster that is shaded smooth.
+/// Where the terminator of a smooth-shaded caster lies, the line beyond which it is turned away from the light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum Terminator {
     /// Where its triangles turn away from the light.
     #[default]
     Geometric,
-    /// Where its normals do; a solid casts with its far side then. Pictures only: factors stay geometric.
+    /// Where its shading normals turn away; a solid then casts with its far side. In pictures only: factors stay
+    /// geometric.
     Smooth,
 }
 
-/// How the shadows of several lights are put into the picture.
+/// How the shadows of several lights are applied to the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum Passes {
-    /// Each light is counted by itself and takes away its own light.
+    /// Each light is counted by itself, and its own light is taken away.
     #[default]
     Multi,
     /// All lights are counted at once, and the finished picture is darkened once.
     Single,
 }
 
-/// The node and its options.
+/// Hard shadow volumes, exact for any caster: the options of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct ShadowVolumeHard {
@@ -62,8 +63,8 @@ pub struct ShadowVolumeHard {
     pub extrusion: Extrusion,
     /// Where counts are kept; not `float` with `passes` `single`.
     pub counter: CounterKind,
-    /// Where the side of a smooth-shaded caster that is turned away from the light begins: at its triangles, or at its
-    /// normals, in pictures only; not `smooth` with `geometry` `open`.
+    /// Where the terminator of a smooth-shaded caster lies: at its triangles, or at its normals, in pictures only;
+    /// not `smooth` with `geometry` `open`.
     pub terminator: Terminator,
 }
 
@@ -146,7 +147,7 @@ const SETTINGS: &[Setting] = &[
 ];
 
 impl ShadowVolumeHard {
-    /// How the catalog knows it.
+    /// Its entry in a catalog.
     pub const ENTRY: TechniqueEntry = TechniqueEntry::of::<Self>(
         "hard",
         "exact hard shadows of any triangles, counted in the stencil",

@@ -24,11 +24,12 @@ const CELL_MARGIN: f64 = 0.01;
 /// The most cells along a side, for edges and for triangles.
 const FINEST: usize = 256;
 const FINEST_OF_TRIANGLES: usize = 512;
-/// Words of lists, of edges and of triangles: as many as these, or as many for each edge and triangle; below what every adapter can bind.
+/// The most words of lists, for edges and for triangles each: so many for each of them, but no fewer than the least and no more than
+/// the most, which every adapter can bind.
 const LEAST_WORDS: usize = 1 << 21;
 const WORDS_PER_PRIMITIVE: usize = 64;
 const MOST_WORDS: usize = 1 << 24;
-/// From so many edges, or triangles, it is told how many words all of them take.
+/// How many edges, or triangles, are sampled to estimate the words that all of them take.
 const SOME: usize = 256;
 
 /// What the light's centre looks through, and how far.
@@ -247,7 +248,7 @@ impl SoftGrid {
     ) -> (Self, Vec<u32>, [usize; 2]) {
         self.place_slices(edges);
         let budget = |primitives: usize| (primitives * WORDS_PER_PRIMITIVE).clamp(LEAST_WORDS, MOST_WORDS);
-        // How many words finer cells would take is told from some of the edges and triangles.
+        // How many words finer cells would take is estimated from some of the edges and triangles.
         let some = edges.iter().step_by(edges.len().div_ceil(SOME).max(1));
         let stands_for = edges.len() as f64 / some.len().max(1) as f64;
         while self.side < FINEST {

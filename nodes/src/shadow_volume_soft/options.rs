@@ -22,7 +22,7 @@ pub enum Quality {
     Wedge,
 }
 
-/// What the factor is applied to.
+/// What the factor darkens.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum Apply {
@@ -33,7 +33,7 @@ pub enum Apply {
     Darken,
 }
 
-/// The node and its options.
+/// Soft shadows of lights with a size, on any surface: the options of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct ShadowVolumeSoft {
@@ -115,7 +115,7 @@ const SETTINGS: &[Setting] = &[
 ];
 
 impl ShadowVolumeSoft {
-    /// How the catalog knows it.
+    /// Its entry in a catalog.
     pub const ENTRY: TechniqueEntry =
         TechniqueEntry::of::<Self>("soft", "soft shadows of any triangles from lights with a size", SETTINGS);
 

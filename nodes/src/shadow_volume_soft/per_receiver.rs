@@ -2,7 +2,7 @@
 //!
 //! *The idea.* A first draw over the picture marks the pixels that may see a part of the light only. In the second, each
 //! looks up the edges that may cross the light's disc and the triangles that may hide its centre, as `sampled` does, and
-//! reckons in areas: an edge is a silhouette for p if p lies on opposite sides of its two triangles; the part of it within
+//! works with areas: an edge is a silhouette for p if p lies on opposite sides of its two triangles; the part of it within
 //! the disc adds what it covers beside the centre, and the number of triangles over the centre is the constant of the sum:
 //! see `common/disc_coverage`. The receiver's own plane cuts the disc, and casters with it, by a chord. Triangles near the light, which may be met beyond it, are cut to
 //! what lies before it and asked one by one.

@@ -72,7 +72,7 @@ impl Casters {
 /// Adds what of a caster lies above the receiver's plane to the groups that its materials belong to.
 ///
 /// # Errors
-/// The reason why nothing of it does.
+/// The reason why none of it lies above.
 fn add_parts(
     light: &LightContext<'_>,
     receiver: &Receiver,

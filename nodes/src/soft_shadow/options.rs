@@ -22,7 +22,7 @@ pub const MAX_SAMPLES: u32 = MAX_LIGHT_SAMPLES;
 /// The longest side of a receiver's texture, in texels.
 pub const MAX_RESOLUTION: u32 = 8192;
 
-/// The node and its options.
+/// Soft shadows on planes: the options of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct SoftShadow {
@@ -84,7 +84,7 @@ const SETTINGS: &[Setting] = &[
 ];
 
 impl SoftShadow {
-    /// How the catalog knows it.
+    /// Its entry in a catalog.
     pub const ENTRY: TechniqueEntry = TechniqueEntry::of::<Self>(
         "planar",
         "soft shadows on planes, flattened from each point of a light",

@@ -10,7 +10,7 @@ const FLATNESS: f64 = 4.8e-7;
 /// What f64 leaves of a position's coordinates under a transform, and of a height computed from them.
 const ROUNDING: f64 = 1e-13;
 
-/// How a mesh is not a plane.
+/// Why a mesh is not a plane.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NotPlanar {
     /// It has no triangle with an area.
@@ -36,12 +36,12 @@ impl std::fmt::Display for NotPlanar {
     }
 }
 
-/// A plane, and how far rounding has left its surface from it.
+/// The plane of a planar mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flat {
     /// The plane.
     pub plane: Plane,
-    /// What is no farther from the plane lies in it.
+    /// How far from the plane a point may be that counts as in it, in metres: what rounding leaves.
     pub tolerance_m: f64,
 }
 

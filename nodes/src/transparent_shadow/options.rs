@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use shadowgraph_engine::shadow::{Options, Setting, TechniqueEntry};
 
-/// How what passes many surfaces is added up.
+/// How the colours that many surfaces let pass are combined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum Accumulate {
@@ -36,7 +36,7 @@ pub enum SelfShadow {
     None,
 }
 
-/// The node and its options.
+/// Coloured shadows of transparent casters, hard ones of opaque casters: the options of a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct TransparentShadow {
@@ -77,7 +77,7 @@ const SETTINGS: &[Setting] = &[
 ];
 
 impl TransparentShadow {
-    /// How the catalog knows it.
+    /// Its entry in a catalog.
     pub const ENTRY: TechniqueEntry = TechniqueEntry::of::<Self>(
         "transparent",
         "exact coloured shadows of transparent casters; opaque ones cast black",

@@ -1,6 +1,6 @@
-// How much of a masked texture is there at a place: the one look-up that visible surfaces, their shading and their
-// shadows share. Texels are read one by one and blended in f32: samplers blend with weights of 8 bits, and how they
-// round is theirs.
+// The alpha of a masked texture at a place: the one look-up that visible surfaces, their shading and their
+// shadows share. Texels are read one by one and blended in f32, since samplers blend with weights
+// of 8 bits and round as they like.
 
 // `reading` in bits: 0 and 1 say what is beyond the edges in u, 2 and 3 in v (0 repeats, 1 repeats mirrored, 2 the
 // edge goes on), 4 whether texels blend.

@@ -8,7 +8,7 @@
 struct Frame {
     clip_from_view: mat4x4f,
     view_from_clip: mat4x4f,
-    // Its last digits are lost far from the world's origin: positions are better brought here by the CPU.
+    // Inaccurate far from the world's origin: positions are better transformed on the CPU.
     view_from_world: mat4x4f,
     size_px: vec2f,
     exposure: f32,
@@ -17,7 +17,7 @@ struct Frame {
     tone_map: u32,
     up_in_view: vec3f,
     eye_w: f32,
-    // Outside these pixels (x and y from, x and y to before) every visibility counts as 1, whatever it holds.
+    // Outside these pixels (first x and y, x and y after the last) every visibility counts as 1, whatever it holds.
     shadowed_px: vec4u,
 }
 
@@ -37,7 +37,7 @@ struct Instance {
     flags: u32,
     // The first triangle of this instance in buffers that hold a value for every triangle of the frame.
     first_triangle: u32,
-    // One bit for each light: past its geometric terminator the instance is lit by its normals alone.
+    // One bit for each light: whether the instance's terminator follows its shading normals.
     smooth_terminators: u32,
     pad_0: u32,
 }

@@ -119,8 +119,8 @@ fn cell_number(plane: u32, column: u32, row: u32) -> u32 {
     return (plane * lists[0] + row) * lists[0] + column;
 }
 
-// How far the line from a receiver, given from its caster's centre, to the light passes inside each edge of a triangle: in
-// proportion, what corners a, b and c weigh where it crosses.
+// How far the line from a receiver (relative to the caster's centre) to the light passes inside each edge of a triangle.
+// These are proportional to the weights of corners a, b and c where it crosses.
 fn inside_edges(cone: ListedCone, from_center: vec3f) -> vec3f {
     return vec3f(
         dot(cone.bc.xyz, from_center) + cone.bc.w,

@@ -1,5 +1,5 @@
-// The samples of a light's unit disc, as code: a program may look them up at every pixel, but not a thousand times. What
-// stands here serves four samples; techniques put those that they take in its place, 32 samples to a word.
+// The samples of a light's unit disc as code, since looking up a thousand of them at every pixel would be slow. This text
+// has four samples; techniques replace it by one with those that they take, 32 samples to a word.
 
 const SAMPLE_COUNT: u32 = 4u;
 // Samples are taken 64 at a time.

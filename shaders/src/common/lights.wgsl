@@ -16,7 +16,7 @@ struct Light {
     factor_kind: u32,
     // The bit or the layer.
     factor_index: u32,
-    // 1 where its factor holds the receiver's own shadow too: the night begins where the factor says.
+    // 1 where its factor holds the receiver's own shadow too: the terminator is where the factor says.
     own_shadow: u32,
 }
 

@@ -1,4 +1,4 @@
-// The plane of a visible surface, how far its depth may be off, and which point the two of them say.
+// The plane of a visible surface, how far its depth may be off, and the visible point found from both.
 
 #import common/frame
 

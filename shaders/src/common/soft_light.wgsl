@@ -36,7 +36,7 @@ struct SoftHead {
     origin: vec3f,
     // In metres, or the tangent of half the angle the light is seen under.
     radius: f32,
-    // Of all clusters those at first that are not in the lists; and how many there are.
+    // How many clusters, from the first, hold triangles that no list has; and how many clusters there are.
     near_clusters: u32,
     cluster_count: u32,
     // Cells along a side of a plane for triangles, and where their lists begin.
@@ -101,7 +101,7 @@ fn soft_vertex(@builtin(vertex_index) index: u32) -> SoftVaryings {
     return out;
 }
 
-// What a fragment entry point begins with.
+// Copies the light from the varyings: the first call of every fragment entry point.
 fn take_light(in: SoftVaryings) {
     soft.world_x = in.world_x;
     soft.world_y = in.world_y;
@@ -155,8 +155,8 @@ fn world_from_view(d: vec3f) -> vec3f {
     return soft.world_x * d.x + soft.world_y * d.y + soft.world_z * d.z;
 }
 
-// The point at `pixel`, whose depth is not 0, and where its light is. What depends on the frame is left out. It is so
-// many times `as_far` from the eye as depth says.
+// The point at `pixel`, whose depth is not 0, and the direction of its light, without the receiver's frame. `as_far` is the
+// point's distance from the eye over the distance that depth gives.
 fn receiver_at(pixel: vec2f, depth: f32, as_far: f32) -> Receiver {
     var r: Receiver;
     r.p = world_from_view(farther(view_from_pixel(pixel, depth), as_far));

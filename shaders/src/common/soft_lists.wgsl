@@ -84,7 +84,7 @@ const NEAR_MARGIN: f32 = 1e-3;
 
 fn lists_of(r: Receiver) -> Lists {
     let none = CellList(0u, 0u);
-    // Nearer than two radii to the light, all triangles are asked.
+    // Nearer than two radii to the light, all triangles are tested.
     if soft.light.w > 0.0 && r.light_distance < 2.0 * soft.radius {
         return Lists(none, none, none, soft.cluster_count);
     }

@@ -1,5 +1,5 @@
-// Triangles that are asked one by one: near the light or wide as it sees them, or any for receivers at the light. They are
-// listed by directions from the light's centre, see near_light_triangles.rs of ShadowVolumeSoft, or lie in clusters.
+// Triangles that are tested one by one: those near the light or wide as it sees them, and all for receivers at the light. They
+// are listed by directions from the light's centre, see near_light_triangles.rs of ShadowVolumeSoft, or lie in clusters.
 
 #import common/soft_seen
 
@@ -28,7 +28,7 @@ fn may_reach(cluster: SoftCluster, r: Receiver) -> bool {
     return across - r.k * d.z <= radius_m * sqrt(1.0 + r.k * r.k) * 1.00001 && d.z >= -radius_m * 1.00001 && !beyond;
 }
 
-// Triangles that are asked one by one: those of a list, and those of the clusters in reach.
+// Walks the triangles that are tested one by one: those of a list, and those of the clusters in reach.
 struct NearWalk {
     next: u32,
     end: u32,

@@ -1,16 +1,16 @@
-// What is asked at every pixel before anything is reckoned: most of a picture is lit as a whole, and ends here. All that
-// knows a light by `common/soft_light` begins with it, in a draw of its own that marks the rest.
+// The test whether a pixel sees the whole light, which most pixels pass. Every technique that uses `common/soft_light` draws it
+// first, and so marks the pixels that need more.
 
 #import common/soft_light
 #import common/soft_lists
 
-// What is known of a pixel before its frame is.
+// What is known of a pixel before the receiver's frame is computed.
 struct Question {
     r: Receiver,
     // Unit normal on the eye's side, and how high the light's centre is over the surface.
     n: vec3f,
     height: f32,
-    // The same normal in view space, and what plane and depth say of the point.
+    // The same normal in view space, and the point found from plane and depth.
     normal: vec3f,
     at: OnPlane,
     // How much further up or down a sample may be.

@@ -69,14 +69,14 @@ fn edge_heights(a: vec3f, d: vec3f) -> vec3f {
     );
 }
 
-// A point of the frame as seen across the light's centre. None is seen on the axes or in the centre, but next to them, as if the
-// centre were a little to the side: so edges that pass through it exactly, or along an axis, all agree on which side it is.
+// A point of the frame, across the light's centre. A point exactly in the centre or on an axis is moved a little beside it, so
+// that all edges through such a point agree on which side of them the centre lies.
 fn across(a: vec3f) -> vec2f {
     return select(a.xy, vec2f(1e-30, 1e-20), a.xy == vec2f(0.0));
 }
 
-// Whether the light's centre is on the left of an edge from a to b. Decided by the very numbers that say on which side of the
-// axes a and b lie: only so do counts at the centre and from there on agree where the edge passes it within rounding.
+// Whether the light's centre is on the left of an edge from a to b. Computed from the same numbers as the sides of the axes on
+// which a and b lie, so that counts at the centre and from there on agree where the edge passes it within rounding.
 fn center_is_left(a: vec2f, b: vec2f) -> bool {
     return fma(a.x, b.y, -(a.y * b.x)) >= 0.0;
 }
@@ -153,8 +153,8 @@ fn beside(number: u32, part: u32) -> vec4f {
     return bitcast<vec4f>(packed(soft_beside, number * 6u + part));
 }
 
-// The same of a triangle that the light is beside, by what it is as the light sees it. Only where triangles are asked one by one:
-// beside listed edges, on which side the centre is has to follow from their own numbers.
+// The same of a triangle that the light is beside, from its records relative to the light. Only for triangles that are tested
+// one by one: where edges are listed, the centre's side must follow from the edges' own numbers.
 fn seen_from_light(number: u32, r: Receiver) -> SeenTriangle {
     var seen = seen_triangle(number, r);
     let from_light = beside(number, 0u);

@@ -3,8 +3,8 @@
 
 #import common/alpha_mask
 
-// Adapters decode sRGB with tables that may be off by more than a thousandth: which byte it was is still told, and what that byte
-// stands for is reckoned.
+// Adapters decode sRGB with tables that may be off by more than a thousandth: the byte is recovered from their value, and
+// decoded here.
 fn decoded(linear: vec3f) -> vec3f {
     let encoded = select(1.055 * pow(linear, vec3f(1.0 / 2.4)) - 0.055, 12.92 * linear, linear <= vec3f(0.0031308));
     let value = floor(encoded * 255.0 + 0.5) / 255.0;

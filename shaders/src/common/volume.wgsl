@@ -47,7 +47,7 @@ const FIRST_CUT: u32 = 0x20000000u;
 // depth is interpolated: from the corners of the visible surface, in its order, they have its very depth until then.
 const SIDE_SHIFT: f32 = 9.5367431640625e-7;
 
-// As much before the surface: for sides that begin at a visible triangle which is not to be before them by chance.
+// As much before the surface: for sides that begin at a visible triangle, which must not be before them by rounding.
 const AHEAD_SHIFT: f32 = 9.5367431640625e-7;
 
 // A corner moved towards the eye by a share of its depth; under an orthographic eye, whose depth loses as much everywhere, by

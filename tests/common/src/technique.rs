@@ -10,13 +10,15 @@ use shadowgraph_engine::shadow::{
 };
 
 type Planned = Result<Contribution, ShadowError>;
+type Casts = dyn Fn(&Instance) -> Result<bool, String> + Send + Sync;
+type Plan = dyn Fn(&LightContext<'_>, &mut PassList<'_>) -> Planned + Send + Sync;
 
 /// A technique that casts everything and plans what it is made with.
 pub struct Plain {
     params: Params,
     traits: Traits,
-    casts: Box<dyn Fn(&Instance) -> Result<bool, String> + Send + Sync>,
-    plan: Box<dyn Fn(&LightContext<'_>, &mut PassList<'_>) -> Planned + Send + Sync>,
+    casts: Box<Casts>,
+    plan: Box<Plan>,
 }
 
 impl Plain {

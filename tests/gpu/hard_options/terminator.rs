@@ -1,4 +1,4 @@
-//! `terminator=smooth`: pictures of smooth casters without their facets' night, and nothing else changed.
+//! `terminator=smooth`: pictures of smooth casters without their facets' terminator, and nothing else changed.
 
 use shadowgraph::prelude::*;
 
@@ -74,7 +74,7 @@ fn only_the_far_sides_of_solids_change_and_factors_never_do() {
                 );
             }
             println!("{eye}: {changed} pixels changed, {brighter} of them brighter");
-            assert!(brighter == changed, "light is added past the facets' night, never taken");
+            assert!(brighter == changed, "light is added past the facets' terminator, never taken");
             assert!(changed > 100 || eye.y < 1.0, "nothing is smoothed");
         }
     }

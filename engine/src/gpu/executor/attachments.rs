@@ -1,6 +1,6 @@
 //! Texture views, and attachments as the API wants them.
 
-use super::encode::Scene;
+use super::scene::Scene;
 use crate::plan::{
     Access, Binding, BlendComponent, BlendFactor, BlendOperation, BlendState, ColorTarget, CompareFunction,
     DepthTarget, Draw, DrawState, Geometry, Load, Pass, Shader, ShaderError, SlotId,

@@ -1,9 +1,10 @@
-//! What a frame takes on the GPU, reckoned before anything is allocated: no buffer or texture beyond the adapter's
+//! What a frame takes on the GPU, computed before anything is allocated: no buffer or texture beyond the adapter's
 //! limits, not more in all than the budget.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
+use super::super::limits::check_buffer;
 use super::super::materials::Materials;
 use super::super::meshes::Meshes;
 use super::super::readback::padded_bytes;
@@ -154,21 +155,4 @@ fn check_slot(gpu: &Gpu, slot: &Slot) -> Result<(), GpuError> {
         }
         SlotKind::Image { .. } => Ok(()),
     }
-}
-
-/// Checks a buffer against the adapter's limits for its use.
-pub(in crate::gpu) fn check_buffer(
-    gpu: &Gpu,
-    what: impl FnOnce() -> String,
-    usage: BufferUsage,
-    bytes: u64,
-) -> Result<(), GpuError> {
-    let limit = match usage {
-        BufferUsage::Storage => gpu.limits.max_storage_buffer_binding_size.min(gpu.limits.max_buffer_size),
-        BufferUsage::Index => gpu.limits.max_buffer_size,
-    };
-    if bytes > limit {
-        return Err(GpuError::BufferTooLarge { what: what(), bytes, adapter: gpu.name(), limit });
-    }
-    Ok(())
 }

@@ -13,13 +13,14 @@ use super::super::pipelines::{Culling, Wanted};
 use super::attachments::{
     binding_view, color_attachment, color_views, depth_attachment, layer_view, partial_clears,
 };
+use super::scene::Scene;
 use super::surface::{Surface, draw_kinds};
 use super::{Executor, GpuSlot};
 use crate::plan::{
-    Antialias, Binding, BlendState, CompareFunction, Draw, FactorAt, FramePlan, Geometry, Pass, PulledStyle,
-    Shader, SlotId, SlotKind, SurfaceStyle,
+    Antialias, Binding, BlendState, CompareFunction, Draw, FactorAt, Geometry, Pass, PulledStyle, Shader,
+    SlotId, SurfaceStyle,
 };
-use crate::scene::{Instance, Material, SceneSnapshot};
+use crate::scene::{Instance, Material};
 
 /// The flags of surface_shade for what a draw reads, by binding number (the depth of samples is number 3, weights of
 /// shadows number 7), and at numbers that no binding has: whether a visibility has one channel, whether any light has
@@ -51,14 +52,6 @@ fn factor_flag(factor: FactorAt) -> u32 {
     }
 }
 
-/// What recording needs to know besides the executor's own stores.
-pub(super) struct Scene<'a> {
-    pub(super) plan: &'a FramePlan,
-    pub(super) snapshot: &'a SceneSnapshot,
-    pub(super) slots: &'a [GpuSlot],
-    pub(super) frame_group: &'a wgpu::BindGroup,
-}
-
 /// What one draw is recorded with.
 struct Recording<'a> {
     scene: &'a Scene<'a>,
@@ -74,30 +67,6 @@ struct Recording<'a> {
 
 /// Bind groups made for this group of passes, by what they hold.
 type DrawGroups = HashMap<(Vec<(u32, Binding)>, Option<(u64, u32)>), wgpu::BindGroup>;
-
-impl Scene<'_> {
-    fn texture(&self, slot: SlotId) -> Option<&wgpu::Texture> {
-        match &self.slots[slot.0] {
-            GpuSlot::Texture(texture) => Some(texture),
-            GpuSlot::Buffer(_) => None,
-        }
-    }
-
-    pub(super) fn format(&self, slot: SlotId) -> TextureFormat {
-        match self.plan.slot(slot).kind {
-            SlotKind::Texture { format, .. } => format,
-            SlotKind::Buffer { .. } | SlotKind::Image { .. } => TextureFormat::R8Unorm,
-        }
-    }
-
-    pub(super) fn view(
-        &self,
-        slot: SlotId,
-        descriptor: &wgpu::TextureViewDescriptor<'_>,
-    ) -> Option<wgpu::TextureView> {
-        Some(self.texture(slot)?.create_view(descriptor))
-    }
-}
 
 impl Executor {
     /// Records one group as one render pass.

@@ -2,7 +2,7 @@
 
 use super::super::bindings::{BindKind, SampleKind};
 use super::super::pipelines::{Culling, VertexInput};
-use super::encode::Scene;
+use super::scene::Scene;
 use crate::plan::{Binding, Draw, PulledStyle, SurfaceStyle};
 
 /// The geometry of one draw.

@@ -13,7 +13,7 @@ pub enum OptionError {
     Unknown { technique: &'static str, option: String, known: String },
     #[error("{technique}: option '{option}' is {value}, accepted: {accepted}")]
     BadValue { technique: &'static str, option: String, value: String, accepted: String },
-    /// It would do nothing beside the others.
+    /// The option would have no effect beside the others.
     #[error("{technique}: option '{option}' is {value}, accepted: {accepted}")]
     Idle { technique: &'static str, option: String, value: String, accepted: String },
     #[error("{technique}: {problem}")]

@@ -4,8 +4,8 @@ use serde_json::{Map, Value, json};
 
 use crate::shadow::Catalog;
 
-/// The schema of `SHADOWGRAPH_shadow_node` for the techniques of `catalog`. Nodes of other types are constrained as far as
-/// all nodes are.
+/// The JSON schema of `SHADOWGRAPH_shadow_node` for the techniques of `catalog`. Nodes of other types may have any
+/// options.
 pub fn extension_schema(catalog: &Catalog) -> Value {
     let mut definitions =
         Map::from_iter([("nodes".to_owned(), nodes()), ("params".to_owned(), any_params())]);

@@ -84,14 +84,14 @@ pub trait Options: Serialize + DeserializeOwned + JsonSchema + Default + 'static
 /// An option that cannot be given beside the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clash {
-    /// It would do nothing.
+    /// The option would have no effect.
     Idle {
         /// The option.
         option: &'static str,
         /// Beside what it does something.
         accepted: &'static str,
     },
-    /// It asks for what the others rule out.
+    /// The option contradicts the others.
     Contradiction {
         /// The option.
         option: &'static str,
@@ -101,7 +101,7 @@ pub enum Clash {
 }
 
 impl Clash {
-    /// The option that cannot be given.
+    /// The name of the option that cannot be given.
     pub fn option(&self) -> &'static str {
         match self {
             Self::Idle { option, .. } | Self::Contradiction { option, .. } => option,

@@ -144,22 +144,6 @@ impl OptionTable {
         let names: Vec<&str> = self.options.iter().map(|option| option.name.as_str()).collect();
         if names.is_empty() { "none".into() } else { names.join(", ") }
     }
-
-    /// A table in Markdown: name, values with the default first, and what each option is for.
-    pub fn markdown(&self) -> String {
-        let code = |text: &dyn fmt::Display| format!("`{text}`");
-        let row = |option: &OptionSpec| {
-            let values = match &option.accepts {
-                Accepts::Words(words) => words.iter().map(|w| code(&w.name)).collect::<Vec<_>>().join(", "),
-                Accepts::Flag => "`false`, `true`".into(),
-                accepts if option.has_default() => format!("{} ({accepts})", code(&option.default)),
-                accepts => format!("left out ({accepts})"),
-            };
-            format!("| `{}` | {values} | {} |\n", option.name, option.doc)
-        };
-        let rows: String = self.options.iter().map(row).collect();
-        format!("| option | values, the default first | what it says |\n|---|---|---|\n{rows}")
-    }
 }
 
 impl OptionSpec {
