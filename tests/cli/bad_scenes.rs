@@ -135,13 +135,13 @@ fn names_cannot_forge_messages() {
 }
 
 #[test]
-fn techniques_not_built_yet_name_those_there_are() {
+fn techniques_that_are_not_there_name_those_that_are() {
     let folder = Folder::new();
     folder.save("yard.glb", &shadowed_yard(&[]));
-    for technique in ["map", "silhouette:resolution=512"] {
+    for technique in ["lightmap", "silhouettes:resolution=512"] {
         let said = folder.refuses(2, &format!("render yard.glb -o out.png --technique {technique}"));
         let name = technique.split(':').next().expect("a name");
-        names_all(&said, &[&format!("'{name}'"), "none", "hard", "reference"]);
+        names_all(&said, &[&format!("'{name}'"), "none", "hard", "map", "silhouette", "reference"]);
     }
 }
 

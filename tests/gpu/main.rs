@@ -47,6 +47,7 @@ mod textured;
 mod tints;
 mod tolerances;
 mod tolerances_found;
+mod tolerances_maps;
 mod transparent;
 mod trials;
 mod wide_floor;
