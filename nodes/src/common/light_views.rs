@@ -23,6 +23,10 @@ const LEAST_SHARE: f64 = 1e-4;
 const LEAST_WIDTH: f64 = 1e-9;
 /// Nothing is nearer to a light, relative to how far away casters are: there depth would leave the range of f32.
 const NEAREST: f64 = 1e-7;
+/// Of so many steps along each axis are the directions in which a point light may look.
+const DIRECTIONS: f64 = 4.0;
+/// Within so much of its direction: then a texel is no larger than it would be in one of six views.
+const NARROW_COSINE: f64 = 0.7;
 /// A spot that opens wider than this is seen in six views.
 const WIDEST_RAD: f64 = 1.05;
 
@@ -239,6 +243,28 @@ pub fn point_views(
         let mut forward = DVec3::ZERO;
         forward[face / 2] = if face % 2 == 0 { 1.0 } else { -1.0 };
         perspective_view(origin, forward, widest, (casters, receivers), size)
+    })
+}
+
+/// One view of a point light in place of six, where all of `casters` stand on one side of it. It looks along one of a fixed set of
+/// directions, so that it does not turn with every caster that moves a little.
+pub fn narrow_view(
+    origin: DVec3,
+    casters: &[Aabb],
+    receivers: &Aabb,
+    size: MapSize,
+) -> Option<Option<LightView>> {
+    let all = casters.iter().fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
+    let towards = (all.center() - origin).normalize_or_zero();
+    let forward = (towards * DIRECTIONS).round().normalize_or_zero();
+    let corners = casters.iter().flat_map(|bounds| bounds.corners());
+    let widest = corners.map(|corner| (corner - origin).normalize_or_zero().dot(forward));
+    // What a box holds is within the cone about its corners, as long as that is less than half of all directions.
+    let cosine = widest.fold(1.0_f64, f64::min);
+    let is_narrow = cosine > NARROW_COSINE && casters.iter().all(|bounds| !bounds.contains(origin));
+    is_narrow.then(|| {
+        let opening = cosine.acos().tan() + 2.0 * size.margin / f64::from(size.texels);
+        perspective_view(origin, forward, opening, (casters, receivers), size)
     })
 }
 

@@ -14,8 +14,8 @@ use shadowgraph_engine::shadow::{
 
 use super::extrusion::end_in_view;
 use super::light_views::{
-    Depth, LightView, MapSize, axes_towards, directional_view, point_views, seen_corners, seen_range,
-    spot_opening, spot_views,
+    Depth, LightView, MapSize, axes_towards, directional_view, narrow_view, point_views, seen_corners,
+    seen_range, spot_opening, spot_views,
 };
 use super::map_casters::{CasterBuffers, MATRICES, MapCaster, bounds_along};
 use super::ray_candidates::Layout;
@@ -125,12 +125,14 @@ impl MapViews {
         let receivers = light.snapshot.instances.iter().filter(|instance| instance.shadow.receives);
         let receivers = receivers.fold(Aabb::EMPTY, |all, instance| all.union(&instance.world_bounds));
         let is_point = !matches!(light.light().light.kind, shadowgraph_engine::scene::LightKind::Spot { .. });
-        let views = if is_point {
-            point_views(position.truncate(), &boxes, &receivers, size).to_vec()
-        } else {
-            spot_views(light.light(), &boxes, &receivers, size)
+        let origin = position.truncate();
+        let narrow = if is_point { narrow_view(origin, &boxes, &receivers, size) } else { None };
+        let around = narrow.is_none() && (is_point || spot_opening(light.light()).is_none());
+        let views = match narrow {
+            Some(view) => vec![view],
+            None if is_point => point_views(origin, &boxes, &receivers, size).to_vec(),
+            None => spot_views(light.light(), &boxes, &receivers, size),
         };
-        let around = is_point || spot_opening(light.light()).is_none();
         let whole = |view| MapView { view, end_m: f64::INFINITY, blend_m: 0.0 };
         Self { views: views.into_iter().map(whole).collect(), size, around }
     }
