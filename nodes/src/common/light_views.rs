@@ -77,6 +77,20 @@ impl LightView {
         self.light_from_world * (p_in_world - self.origin)
     }
 
+    /// All of its numbers, for keys.
+    pub fn bits(&self) -> [u64; 18] {
+        let depth = match self.depth {
+            Depth::Orthographic { end_m, range_m } => [end_m, range_m],
+            Depth::Perspective { near_m, far_m } => [near_m, far_m],
+        };
+        let numbers = self.light_from_world.to_cols_array().into_iter().chain(self.origin.to_array());
+        let numbers =
+            numbers.chain(self.window.into_iter().flat_map(|corner| corner.to_array())).chain(depth);
+        let mut bits = [0; 18];
+        bits.iter_mut().zip(numbers).for_each(|(bits, number)| *bits = number.to_bits());
+        bits
+    }
+
     /// From the view's axes to clip space.
     pub fn clip_from_light(&self) -> DMat4 {
         let [low, high] = self.window;
@@ -345,6 +359,18 @@ pub fn seen_corners(view: &View, bounds: &Aabb, [from_m, to_m]: [f64; 2]) -> Vec
         faces = cut(&faces, &Plane { offset: plane.offset - margin, ..plane });
     }
     faces.concat()
+}
+
+/// Where cascades end along the view: half way between equal lengths and equal ratios.
+pub fn splits([nearest_m, farthest_m]: [f64; 2], cascades: u32, perspective: bool) -> Vec<f64> {
+    let begin_m = nearest_m.max(farthest_m * 1e-4);
+    let end = |number: u32| {
+        let share = f64::from(number) / f64::from(cascades);
+        let even = begin_m + (farthest_m - begin_m) * share;
+        let by_ratio = begin_m * (farthest_m / begin_m).powf(share);
+        if perspective && begin_m > 0.0 { 0.5 * (even + by_ratio) } else { even }
+    };
+    (1..=cascades).map(end).collect()
 }
 
 /// How far along the view its nearest and farthest receivers are, in metres.

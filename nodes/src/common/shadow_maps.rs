@@ -15,7 +15,7 @@ use shadowgraph_engine::shadow::{
 use super::extrusion::end_in_view;
 use super::light_views::{
     Depth, LightView, MapSize, axes_towards, directional_view, narrow_view, point_views, seen_corners,
-    seen_range, spot_opening, spot_views,
+    seen_range, splits, spot_opening, spot_views,
 };
 use super::map_casters::{CasterBuffers, MATRICES, MapCaster, bounds_along};
 use super::ray_candidates::Layout;
@@ -193,18 +193,6 @@ impl MapViews {
     }
 }
 
-/// Where cascades end along the view: half way between equal lengths and equal ratios.
-fn splits([nearest_m, farthest_m]: [f64; 2], cascades: u32, perspective: bool) -> Vec<f64> {
-    let begin_m = nearest_m.max(farthest_m * 1e-4);
-    let end = |number: u32| {
-        let share = f64::from(number) / f64::from(cascades);
-        let even = begin_m + (farthest_m - begin_m) * share;
-        let by_ratio = begin_m * (farthest_m / begin_m).powf(share);
-        if perspective && begin_m > 0.0 { 0.5 * (even + by_ratio) } else { even }
-    };
-    (1..=cascades).map(end).collect()
-}
-
 /// The maps of a light, drawn.
 #[derive(Clone, Debug)]
 pub struct ShadowMaps {
@@ -261,17 +249,12 @@ impl ShadowMaps {
         if layers.is_empty() {
             return Ok(None);
         }
-        let bits = |view: &LightView| {
-            let depth = match view.depth {
-                Depth::Orthographic { end_m, range_m } => [end_m, range_m],
-                Depth::Perspective { near_m, far_m } => [near_m, far_m],
-            };
-            let [low, high] = view.window;
-            let numbers = [low.x, low.y, high.x, high.y, depth[0], depth[1]];
-            let axes = view.light_from_world.to_cols_array().map(f64::to_bits);
-            (numbers.map(f64::to_bits), axes, view.origin.to_array().map(f64::to_bits))
-        };
-        let key = hash_of((casters.key, layers.iter().map(bits).collect::<Vec<_>>(), texels, with_slopes));
+        let key = hash_of((
+            casters.key,
+            layers.iter().map(LightView::bits).collect::<Vec<_>>(),
+            texels,
+            with_slopes,
+        ));
         let name = light.light().name.clone();
         let mut texture = |what: &str, format, reason: &str| {
             let label = format!("{what} of {name}");
