@@ -15,6 +15,8 @@ use shadowgraph::prelude::*;
 use texels::{InTexels, judge};
 
 const SIZE_PX: [u32; 2] = [192, 144];
+/// Where thousands of pixels are wrong, of which each is asked about.
+const SMALL_PX: [u32; 2] = [64, 48];
 
 fn block(center: Vec3, half: Vec3) -> MeshData {
     cuboid(center - half, center + half)
@@ -63,13 +65,13 @@ fn add_light(scene: &mut Scene, kind: &str, angle_deg: f64) {
 fn on_stage(
     renderer: &mut Renderer,
     (kind, angle_deg): (&str, f64),
-    node: ShadowMap,
+    (node, size_px): (ShadowMap, [u32; 2]),
     references: &mut KnownReferences,
 ) -> InTexels {
     let mut scene = stage();
     add_light(&mut scene, kind, angle_deg);
     scene.add_shadow("shadows", node);
-    judge(renderer, &scene, &eye(), SIZE_PX, 2.0, references).unwrap()
+    judge(renderer, &scene, &eye(), size_px, 2.0, references).unwrap()
 }
 
 #[test]
@@ -81,7 +83,7 @@ fn nothing_shadows_itself_and_no_shadow_comes_off_by_more_than_two_texels() {
             let mut references = KnownReferences::default();
             for (resolution, pcf) in [(512, 1), (1024, 1), (2048, 1), (512, 3)] {
                 let node = ShadowMap { resolution, pcf, ..ShadowMap::default() };
-                let found = on_stage(&mut renderer, (kind, angle_deg), node, &mut references);
+                let found = on_stage(&mut renderer, (kind, angle_deg), (node, SIZE_PX), &mut references);
                 println!("{kind} {angle_deg:>2} degrees, {resolution:>4}, pcf {pcf}: {found:?}");
                 assert!(found.compared > 15_000 && found.in_shadow > 300, "{found:?}");
                 if found.acne + found.far_leaks > 0 {
@@ -102,11 +104,11 @@ fn what_is_wrong_is_found_to_be() {
     let floating = ShadowMap { constant_bias_m: Some(0.2), ..base };
     for kind in ["sun", "lamp", "spot"] {
         let mut references = KnownReferences::default();
-        let mut on_stage = |node| on_stage(&mut renderer, (kind, 60.0), node, &mut references);
+        let mut on_stage = |node| on_stage(&mut renderer, (kind, 60.0), (node, SMALL_PX), &mut references);
         let found = on_stage(unbiased);
-        assert!(found.acne > 500, "{kind}: {found:?}");
+        assert!(found.acne > 60, "{kind}: {found:?}");
         let found = on_stage(floating);
-        assert!(found.far_leaks > 50, "{kind}: {found:?}");
+        assert!(found.far_leaks > 3, "{kind}: {found:?}");
     }
 }
 

@@ -23,6 +23,10 @@ const LEAST_SHARE: f64 = 1e-4;
 const LEAST_WIDTH: f64 = 1e-9;
 /// Nothing is nearer to a light, relative to how far away casters are: there depth would leave the range of f32.
 const NEAREST: f64 = 1e-7;
+/// Of so many steps along each axis are the directions in which a point light may look.
+const DIRECTIONS: f64 = 4.0;
+/// Within so much of its direction: then a texel is no larger than it would be in one of six views.
+const NARROW_COSINE: f64 = 0.7;
 /// A spot that opens wider than this is seen in six views.
 const WIDEST_RAD: f64 = 1.05;
 
@@ -71,6 +75,20 @@ impl LightView {
     /// A point of the world along the view's axes, from its origin.
     pub fn light_from(&self, p_in_world: DVec3) -> DVec3 {
         self.light_from_world * (p_in_world - self.origin)
+    }
+
+    /// All of its numbers, for keys.
+    pub fn bits(&self) -> [u64; 18] {
+        let depth = match self.depth {
+            Depth::Orthographic { end_m, range_m } => [end_m, range_m],
+            Depth::Perspective { near_m, far_m } => [near_m, far_m],
+        };
+        let numbers = self.light_from_world.to_cols_array().into_iter().chain(self.origin.to_array());
+        let numbers =
+            numbers.chain(self.window.into_iter().flat_map(|corner| corner.to_array())).chain(depth);
+        let mut bits = [0; 18];
+        bits.iter_mut().zip(numbers).for_each(|(bits, number)| *bits = number.to_bits());
+        bits
     }
 
     /// From the view's axes to clip space.
@@ -242,6 +260,28 @@ pub fn point_views(
     })
 }
 
+/// One view of a point light in place of six, where all of `casters` stand on one side of it. It looks along one of a fixed set of
+/// directions, so that it does not turn with every caster that moves a little.
+pub fn narrow_view(
+    origin: DVec3,
+    casters: &[Aabb],
+    receivers: &Aabb,
+    size: MapSize,
+) -> Option<Option<LightView>> {
+    let all = casters.iter().fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
+    let towards = (all.center() - origin).normalize_or_zero();
+    let forward = (towards * DIRECTIONS).round().normalize_or_zero();
+    let corners = casters.iter().flat_map(|bounds| bounds.corners());
+    let widest = corners.map(|corner| (corner - origin).normalize_or_zero().dot(forward));
+    // What a box holds is within the cone about its corners, as long as that is less than half of all directions.
+    let cosine = widest.fold(1.0_f64, f64::min);
+    let is_narrow = cosine > NARROW_COSINE && casters.iter().all(|bounds| !bounds.contains(origin));
+    is_narrow.then(|| {
+        let opening = cosine.acos().tan() + 2.0 * size.margin / f64::from(size.texels);
+        perspective_view(origin, forward, opening, (casters, receivers), size)
+    })
+}
+
 /// The views of a spot: one, or those of a point light where it opens too wide for that.
 pub fn spot_views(
     light: &LightSnapshot,
@@ -319,6 +359,18 @@ pub fn seen_corners(view: &View, bounds: &Aabb, [from_m, to_m]: [f64; 2]) -> Vec
         faces = cut(&faces, &Plane { offset: plane.offset - margin, ..plane });
     }
     faces.concat()
+}
+
+/// Where cascades end along the view: half way between equal lengths and equal ratios.
+pub fn splits([nearest_m, farthest_m]: [f64; 2], cascades: u32, perspective: bool) -> Vec<f64> {
+    let begin_m = nearest_m.max(farthest_m * 1e-4);
+    let end = |number: u32| {
+        let share = f64::from(number) / f64::from(cascades);
+        let even = begin_m + (farthest_m - begin_m) * share;
+        let by_ratio = begin_m * (farthest_m / begin_m).powf(share);
+        if perspective && begin_m > 0.0 { 0.5 * (even + by_ratio) } else { even }
+    };
+    (1..=cascades).map(end).collect()
 }
 
 /// How far along the view its nearest and farthest receivers are, in metres.

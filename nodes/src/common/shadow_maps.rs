@@ -14,8 +14,8 @@ use shadowgraph_engine::shadow::{
 
 use super::extrusion::end_in_view;
 use super::light_views::{
-    Depth, LightView, MapSize, axes_towards, directional_view, point_views, seen_corners, seen_range,
-    spot_opening, spot_views,
+    Depth, LightView, MapSize, axes_towards, directional_view, narrow_view, point_views, seen_corners,
+    seen_range, splits, spot_opening, spot_views,
 };
 use super::map_casters::{CasterBuffers, MATRICES, MapCaster, bounds_along};
 use super::ray_candidates::Layout;
@@ -125,12 +125,14 @@ impl MapViews {
         let receivers = light.snapshot.instances.iter().filter(|instance| instance.shadow.receives);
         let receivers = receivers.fold(Aabb::EMPTY, |all, instance| all.union(&instance.world_bounds));
         let is_point = !matches!(light.light().light.kind, shadowgraph_engine::scene::LightKind::Spot { .. });
-        let views = if is_point {
-            point_views(position.truncate(), &boxes, &receivers, size).to_vec()
-        } else {
-            spot_views(light.light(), &boxes, &receivers, size)
+        let origin = position.truncate();
+        let narrow = if is_point { narrow_view(origin, &boxes, &receivers, size) } else { None };
+        let around = narrow.is_none() && (is_point || spot_opening(light.light()).is_none());
+        let views = match narrow {
+            Some(view) => vec![view],
+            None if is_point => point_views(origin, &boxes, &receivers, size).to_vec(),
+            None => spot_views(light.light(), &boxes, &receivers, size),
         };
-        let around = is_point || spot_opening(light.light()).is_none();
         let whole = |view| MapView { view, end_m: f64::INFINITY, blend_m: 0.0 };
         Self { views: views.into_iter().map(whole).collect(), size, around }
     }
@@ -191,18 +193,6 @@ impl MapViews {
     }
 }
 
-/// Where cascades end along the view: half way between equal lengths and equal ratios.
-fn splits([nearest_m, farthest_m]: [f64; 2], cascades: u32, perspective: bool) -> Vec<f64> {
-    let begin_m = nearest_m.max(farthest_m * 1e-4);
-    let end = |number: u32| {
-        let share = f64::from(number) / f64::from(cascades);
-        let even = begin_m + (farthest_m - begin_m) * share;
-        let by_ratio = begin_m * (farthest_m / begin_m).powf(share);
-        if perspective && begin_m > 0.0 { 0.5 * (even + by_ratio) } else { even }
-    };
-    (1..=cascades).map(end).collect()
-}
-
 /// The maps of a light, drawn.
 #[derive(Clone, Debug)]
 pub struct ShadowMaps {
@@ -259,17 +249,12 @@ impl ShadowMaps {
         if layers.is_empty() {
             return Ok(None);
         }
-        let bits = |view: &LightView| {
-            let depth = match view.depth {
-                Depth::Orthographic { end_m, range_m } => [end_m, range_m],
-                Depth::Perspective { near_m, far_m } => [near_m, far_m],
-            };
-            let [low, high] = view.window;
-            let numbers = [low.x, low.y, high.x, high.y, depth[0], depth[1]];
-            let axes = view.light_from_world.to_cols_array().map(f64::to_bits);
-            (numbers.map(f64::to_bits), axes, view.origin.to_array().map(f64::to_bits))
-        };
-        let key = hash_of((casters.key, layers.iter().map(bits).collect::<Vec<_>>(), texels, with_slopes));
+        let key = hash_of((
+            casters.key,
+            layers.iter().map(LightView::bits).collect::<Vec<_>>(),
+            texels,
+            with_slopes,
+        ));
         let name = light.light().name.clone();
         let mut texture = |what: &str, format, reason: &str| {
             let label = format!("{what} of {name}");
