@@ -25,8 +25,10 @@ const RESOLUTIONS: [u32; 6] = [128, 256, 512, 1024, 2048, 4096];
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
+type MakeScene = fn() -> Result<Scene>;
+
 fn main() -> Result<()> {
-    let scenes: [(&str, fn() -> Result<Scene>); 4] =
+    let scenes: [(&str, MakeScene); 4] =
         [("crowd", crowd), ("vehicle", vehicle), ("castle", castle), ("strike", strike)];
     let only = std::env::args().nth(1);
     for (name, build) in

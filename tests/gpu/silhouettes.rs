@@ -125,7 +125,8 @@ fn one_point_a_texel_is_too_few_where_outlines_meet() {
             add(scene, "needle", MeshData { positions, indices: vec![0, 1, 2], ..MeshData::default() });
         }
     };
-    let artefacts: [(&str, &dyn Fn(&mut Scene)); 3] =
+    type Change<'a> = &'a dyn Fn(&mut Scene);
+    let artefacts: [(&str, Change<'_>); 3] =
         [("crossing", &crossing), ("parallel", &parallel), ("sharp", &sharp)];
     for (name, build) in artefacts {
         let mut scene = floor();

@@ -270,30 +270,8 @@ impl ShadowMaps {
         let slopes = with_slopes.then(|| texture("map slopes", TextureFormat::Rg16Float, reason));
         // On transparent layers too the maps are those that were drawn for the opaque surfaces.
         if light.layer().is_none() {
-            let bytes: Arc<Vec<u8>> = Arc::new(cast_slice(&matrices).to_vec());
-            let label = format!("map matrices of {name}");
-            let reason = "where the light sees each caster";
-            let matrices =
-                out.buffer(BufferDesc::storage(&label, hash_of(("map matrices", &bytes)), bytes, reason));
-            for (layer, (draws, view)) in (0..).zip(drawn.into_iter().zip(&layers)) {
-                let draws = draws.into_iter().map(|mut draw| {
-                    draw.bindings.push((MATRICES, Binding::Storage(matrices)));
-                    draw
-                });
-                out.pass(Pass {
-                    name: format!("map of {name}"),
-                    reason: describe(view, texels),
-                    colors: slopes
-                        .map(|slopes| ColorTarget {
-                            layer,
-                            ..ColorTarget::new(slopes, Load::Clear([0.0; 4]))
-                        })
-                        .into_iter()
-                        .collect(),
-                    depth: Some(DepthTarget { layer, ..DepthTarget::new(depths, Access::Clear(0.0)) }),
-                    draws: draws.collect(),
-                });
-            }
+            let passes = drawn.into_iter().zip(&layers).map(|(draws, view)| (draws, describe(view, texels)));
+            draw_maps(out, &name, (depths, slopes), &matrices, passes);
         }
         let records = upload(light, out, texels, biases.unwrap_or_default(), &records);
         Ok(Some(Self { depths, slopes, records, key, layers, numbers, pixels }))
@@ -353,6 +331,35 @@ fn shadowed_pixels(
         united(all, volume_pixels(light.view, position, &grown, end))
     });
     pixels.unwrap_or([0; 4])
+}
+
+/// The passes that draw maps: the depths that the light sees, and the slopes of it where there is a texture for them. `passes` has
+/// for each layer what is drawn and why; `matrices` is where the light sees each caster.
+fn draw_maps(
+    out: &mut PassList<'_>,
+    light: &str,
+    (depths, slopes): (Resource, Option<Resource>),
+    matrices: &[[f32; 16]],
+    passes: impl Iterator<Item = (Vec<Draw>, String)>,
+) {
+    let bytes: Arc<Vec<u8>> = Arc::new(cast_slice(matrices).to_vec());
+    let (label, reason) = (format!("map matrices of {light}"), "where the light sees each caster");
+    let matrices = out.buffer(BufferDesc::storage(&label, hash_of(("map matrices", &bytes)), bytes, reason));
+    for (layer, (draws, reason)) in (0..).zip(passes) {
+        let draws = draws.into_iter().map(|mut draw| {
+            draw.bindings.push((MATRICES, Binding::Storage(matrices)));
+            draw
+        });
+        let slopes =
+            slopes.map(|slopes| ColorTarget { layer, ..ColorTarget::new(slopes, Load::Clear([0.0; 4])) });
+        out.pass(Pass {
+            name: format!("map of {light}"),
+            reason,
+            colors: slopes.into_iter().collect(),
+            depth: Some(DepthTarget { layer, ..DepthTarget::new(depths, Access::Clear(0.0)) }),
+            draws: draws.collect(),
+        });
+    }
 }
 
 /// What a layer shows, for the plan's text.
