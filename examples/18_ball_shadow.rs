@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let place = DAffine3::from_translation(DVec3::new(f64::from(detail) - 2.0, 0.75, 0.0));
         balls.push(scene.add_mesh(ball, paint, place));
     }
-    scene.add_lamp(Light::point("lamp", 90.0), DVec3::new(-1.0, 5.0, 2.5));
+    scene.add_lamp(Light::point("lamp", 45.0), DVec3::new(-1.0, 5.0, 2.5));
     scene.add_light(Light::directional("sky", 0.6), DVec3::new(3.0, 2.0, 1.0), DVec3::ZERO);
     scene.add_shadow("balls", ShadowNode::from(BallShadow::default()).with_casters(balls));
 
@@ -32,5 +32,5 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut renderer = common::renderer(catalog)?;
     let camera = Camera::perspective("eye", 0.6);
     let camera = CameraSnapshot::looking(camera, DVec3::new(0.5, 3.0, 6.5), DVec3::new(0.0, 0.3, 0.0));
-    common::picture(&mut renderer, &scene, &camera, Exposure::Auto, "18_ball_shadow")
+    common::picture(&mut renderer, &scene, &camera, Exposure::Fixed(0.9), "18_ball_shadow")
 }

@@ -1,6 +1,6 @@
 //! Sweeps: one thing of a scene goes from harmless to extreme, and nothing may be wrong on the way.
 //!
-//! Every step is judged as a hard case is, for every technique and setting; each prints a row. `CASE=part-of-a-name` runs
+//! Every second step, and the last, is judged as a hard case is, for every technique and setting; each prints a row. `CASE=part-of-a-name` runs
 //! the sweeps so called; `DUMP=folder` writes error maps.
 
 use crate::known::{KNOWN, Known};
@@ -33,6 +33,15 @@ fn row(trial: &Trial) -> String {
     )
 }
 
+/// A sweep's steps: every second, and the last, which is the most extreme. `CASE=` or `EVERY_CASE=1` tries all.
+fn steps_of(sweep: &Sweep) -> Vec<Case> {
+    let every = ["CASE", "EVERY_CASE"].iter().any(|name| std::env::var_os(name).is_some());
+    let steps = sweep.steps(&shadowgraph::CAST);
+    let last = steps.len().saturating_sub(1);
+    let taken = steps.into_iter().enumerate().filter(|(i, _)| every || i % 2 == 0 || *i == last);
+    taken.map(|(_, (_, case))| case).collect()
+}
+
 #[test]
 fn every_sweep_is_right_at_every_step() {
     let Some(renderer) = shadowgraph_testing::renderer() else { return };
@@ -44,8 +53,7 @@ fn every_sweep_is_right_at_every_step() {
     assert!(!sweeps.is_empty(), "no sweep is called '{filter}' and concerns a technique");
     let mut failures = Vec::new();
     let mut seen = vec![0; KNOWN.len()];
-    let steps: Vec<Case> =
-        sweeps.iter().flat_map(|sweep| sweep.steps(&shadowgraph::CAST)).map(|(_, case)| case).collect();
+    let steps: Vec<Case> = sweeps.iter().flat_map(steps_of).collect();
     let judged = with_several_renderers(shadowgraph_testing::renderer, &steps, |renderer, case| {
         let outcome = |trial: Trial| {
             dump(&trial);
