@@ -208,9 +208,10 @@ const CASTERS_WITHIN: Group = &[
 /// in time, ...
 pub(crate) const THINNED: &[&str] = &[SOFT, PLANAR, TRANSPARENT, MAP, SILHOUETTE];
 pub(crate) const THINNED_TO_ONE_IN: usize = 6;
-/// ... and on none of these, which are large: a thousand instances, 4 096 layers, 64 lights. They are about a number, which
+/// ... and on none of these, which are large: a thousand instances, thousands of layers, 64 lights. They are about a number, which
 /// every technique meets by its default; other settings of theirs take a fifth of all time.
-pub(crate) const LARGE_CASES: &[&str] = &["instanced-1000", "overlap-4096", "lights-64", "index-65536"];
+pub(crate) const LARGE_CASES: &[&str] =
+    &["instanced-1000", "overlap-4096", "lights-64", "index-65536", "overlap-closed", "overlap-open"];
 
 /// The built-in techniques.
 pub(crate) const ROWS: &[Row] = &[
