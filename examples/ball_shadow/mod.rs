@@ -6,9 +6,9 @@
 use std::sync::Arc;
 
 use bytemuck::cast_slice;
+use glam::{DMat4, DVec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use shadowgraph::prelude::DVec3;
 use shadowgraph::technique::*;
 
 /// The shader; its imports are the engine's. All positions are in view space.
@@ -96,10 +96,11 @@ impl ShadowTechnique for BallShadow {
 
     fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
         let view_from_world = light.view.camera.world_from_view.inverse();
-        let at = light.light().position;
-        let at = view_from_world.matrix3 * at.truncate() + view_from_world.translation * at.w;
-        let mut records = vec![at.extend(light.light().position.w).as_vec4().to_array()];
-        for (center, radius_m) in light.casters().filter_map(|(_, instance)| ball(instance)) {
+        let light_in_view = DMat4::from(view_from_world) * light.light().position;
+        let mut records = vec![light_in_view.as_vec4().to_array()];
+        let known =
+            |instance: &Instance| *light.cache.get_or_compute("ball", instance.pose_key, || ball(instance));
+        for (center, radius_m) in light.casters().filter_map(|(_, instance)| known(instance)) {
             let radius_m = radius_m + self.margin_m;
             records.push(view_from_world.transform_point3(center).extend(radius_m).as_vec4().to_array());
         }

@@ -63,7 +63,7 @@ impl ShadowTechnique for SilhouetteMap {
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
-        Ok(instance.materials.iter().any(|material| material.casts_whole() || material.casts_by_texel()))
+        Ok(instance.blocks_light())
     }
 
     fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {

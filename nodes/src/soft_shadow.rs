@@ -77,7 +77,7 @@ impl ShadowTechnique for SoftShadow {
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
-        Ok(instance.materials.iter().any(|material| material.casts_whole() || material.casts_by_texel()))
+        Ok(instance.blocks_light())
     }
 
     fn receives(&self, instance: &Instance) -> Result<(), String> {

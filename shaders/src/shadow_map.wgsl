@@ -33,24 +33,6 @@ fn lit_share(in: Asking, receiver: Receiver) -> f32 {
     return saturate(1.0 - dark / max(WIDTH * WIDTH, 1.0));
 }
 
-#if CASCADES
-// The same question to another view than that of the draw.
-fn asking_of(in: Asking, number: u32) -> Asking {
-    let view = maps.views[number];
-    var out = in;
-    out.texel_x = view.texel_x;
-    out.texel_y = view.texel_y;
-    out.depth = view.depth;
-    out.w = view.w;
-    out.plane_x = view.plane_x;
-    out.plane_y = view.plane_y;
-    out.plane_depth = view.plane_depth;
-    out.scales = vec4f(view.texels_per_m, view.depth_per_m, view.relative_loss, view.absolute_loss);
-    out.more = vec4u(bitcast<u32>(view.position_loss_m), view.layer, in.more.z, number);
-    return out;
-}
-#endif
-
 @fragment
 fn darken(in: Asking) -> @location(0) vec4f {
     let seen = seen_at(in.position.xy);
@@ -66,11 +48,11 @@ fn darken(in: Asking) -> @location(0) vec4f {
     for (var i = 0u; i + 1u < maps.view_count; i += 1u) {
         number += select(0u, 1u, receiver.distance_m > maps.views[i].end_m);
     }
-    var lit = lit_share(asking_of(in, number), receiver);
+    var lit = lit_share(about_view(in, number), receiver);
     let view = maps.views[number];
     let into = saturate((receiver.distance_m - (view.end_m - view.blend_m)) / max(view.blend_m, 1e-30));
     if into > 0.0 && number + 1u < maps.view_count {
-        lit = mix(lit, lit_share(asking_of(in, number + 1u), receiver), into);
+        lit = mix(lit, lit_share(about_view(in, number + 1u), receiver), into);
     }
     return vec4f(lit);
 #else

@@ -2,6 +2,7 @@
 
 use crate::known::KNOWN_ON_CASES;
 use crate::tolerances::HARD;
+use crate::trials::tries_everything;
 
 use shadowgraph::cases::{self, Case};
 use shadowgraph::measure::{Measured, Reference, ReferenceImage, queries};
@@ -11,8 +12,7 @@ use shadowgraph::prelude::*;
 /// `CASE=` or `EVERY_CASE=1` all of them.
 fn accepted(renderer: &mut Renderer, first: usize) -> Vec<Case> {
     let filter = std::env::var("CASE").unwrap_or_default();
-    let every = !filter.is_empty() || std::env::var_os("EVERY_CASE").is_some();
-    let (first, step) = if every { (0, 1) } else { (first, 3) };
+    let (first, step) = if tries_everything() { (0, 1) } else { (first, 3) };
     let cases = cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST));
     let cases = cases.filter(|case| case.name().contains(&filter));
     let mut cases: Vec<Case> = cases.skip(first).step_by(step).collect();

@@ -3,6 +3,7 @@
 
 use crate::known::KNOWN_ON_CASES;
 use crate::tolerances::SOFT;
+use crate::trials::tries_everything;
 
 use shadowgraph::cases::{self, Case};
 use shadowgraph::measure::{EvaluateError, evaluate};
@@ -22,8 +23,8 @@ fn judge(
     let named = |case: &Case| case.name().contains(filter) && case.name().contains(&only);
     // The conformance test has every case with the default size; of all of them, every third is enough here. `CASE=` or
     // `EVERY_CASE=1` tries all.
-    let every = only.is_empty() && filter.is_empty() && std::env::var_os("EVERY_CASE").is_none();
-    for case in cases.filter(named).step_by(if every { 3 } else { 1 }) {
+    let is_thinned = filter.is_empty() && !tries_everything();
+    for case in cases.filter(named).step_by(if is_thinned { 3 } else { 1 }) {
         let scene = case.scene_with(&ShadowVolumeSoft::ENTRY, &params).unwrap();
         let row = format!("{:<40} radius {}", case.name(), node.radius_m);
         match evaluate(renderer, &scene, &case.request(), &|_, _| {}) {

@@ -5,7 +5,7 @@
 
 use crate::known::{KNOWN, Known};
 use crate::tolerances::ROWS;
-use crate::trials::{Trial, dump, print_times, try_all, with_several_renderers};
+use crate::trials::{Trial, dump, print_times, tries_everything, try_all, with_several_renderers};
 use shadowgraph::cases::Case;
 use shadowgraph::cases::sweeps::{self, Sweep};
 use shadowgraph::engine::shadow::Catalog;
@@ -35,7 +35,7 @@ fn row(trial: &Trial) -> String {
 
 /// A sweep's steps: every second, and the last, which is the most extreme. `CASE=` or `EVERY_CASE=1` tries all.
 fn steps_of(sweep: &Sweep) -> Vec<Case> {
-    let every = ["CASE", "EVERY_CASE"].iter().any(|name| std::env::var_os(name).is_some());
+    let every = tries_everything();
     let steps = sweep.steps(&shadowgraph::CAST);
     let last = steps.len().saturating_sub(1);
     let taken = steps.into_iter().enumerate().filter(|(i, _)| every || i % 2 == 0 || *i == last);

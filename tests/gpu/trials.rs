@@ -68,11 +68,15 @@ pub(crate) fn try_all(renderer: &mut Renderer, case: &Case, rows: &[Row]) -> Vec
     trials
 }
 
+/// Whether `CASE=` or `EVERY_CASE=1` (`./x test --all`) asks for all of what is thinned otherwise.
+pub(crate) fn tries_everything() -> bool {
+    ["CASE", "EVERY_CASE"].iter().any(|name| std::env::var_os(name).is_some())
+}
+
 /// Whether a setting is tried on one case in [`THINNED_TO_ONE_IN`], each case with others of such settings: what is dear
 /// beside its default, which is tried on all. `CASE=` and `EVERY_CASE=1` try everything.
 pub(crate) fn is_thinned(technique: &str, setting: &str) -> bool {
-    let all = std::env::var_os("CASE").is_some() || std::env::var_os("EVERY_CASE").is_some();
-    !all && setting != "default" && THINNED.contains(&technique)
+    !tries_everything() && setting != "default" && THINNED.contains(&technique)
 }
 
 /// What an earlier trial found by the very plan that `scene` has, asked the same questions: most settings change nothing on

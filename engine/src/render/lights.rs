@@ -108,7 +108,6 @@ fn plan_light(
             light_index: index,
             claim,
             layer,
-            has_size: wide > 0,
             is_beside_size: wide > usize::from(is_wide(claim)),
             counts_before: CountsBefore { light: counts_bound, darkening },
         };

@@ -33,6 +33,28 @@ impl Seen {
     }
 }
 
+/// How what pixels show is drawn by surface_measure.
+struct Shown {
+    name: &'static str,
+    fragment: &'static str,
+    flags: &'static [&'static str],
+}
+
+impl Shown {
+    /// For those of the two images that there are; `None` where there is neither.
+    fn of(seen: Seen) -> Option<Self> {
+        let (name, fragment, flags): (_, _, &[&str]) = match (seen.triangles, seen.planes) {
+            (None, None) => return None,
+            (Some(_), None) => ("visible triangles", "visible_triangle", &[]),
+            (None, Some(_)) => ("receiver planes", "receiver_plane", &["PLANES"]),
+            (Some(_), Some(_)) => {
+                ("visible triangles and receiver planes", "triangle_and_plane", &["PLANES"])
+            }
+        };
+        Some(Self { name, fragment, flags })
+    }
+}
+
 /// Draws what each pixel of the opaque surfaces shows, as far as techniques ask or factors are measured, with a depth test
 /// of its own so that of two coincident surfaces the first drawn wins, as in the prepass. Where the triangles of every
 /// sample are wanted, there is a texel for each.
@@ -60,22 +82,13 @@ pub(super) fn add(
     }
     let triangles = seen.triangles.map(|slot| ColorTarget::new(slot, no_triangle()));
     let planes = seen.planes.map(|slot| ColorTarget::new(slot, NO_PLANE));
-    let (name, reason, shader): (_, _, (_, &[&str])) = match (seen.triangles, seen.planes) {
-        (None, None) => return Ok(seen),
-        (None, Some(_)) => (
-            "receiver planes",
-            "a technique asks in which plane each pixel's surface lies",
-            ("receiver_plane", &["PLANES"]),
-        ),
-        (Some(_), None) => ("visible triangles", triangles_reason(inputs), ("visible_triangle", &[])),
-        (Some(_), Some(_)) => (
-            "visible triangles and receiver planes",
-            triangles_reason(inputs),
-            ("triangle_and_plane", &["PLANES"]),
-        ),
+    let Some(Shown { name, fragment, flags }) = Shown::of(seen) else { return Ok(seen) };
+    let reason = match seen.triangles {
+        Some(_) => triangles_reason(inputs),
+        None => "a technique asks in which plane each pixel's surface lies",
     };
     let colors = triangles.into_iter().chain(planes).collect();
-    let pass = seen_pass(inputs, needs, (name, reason), shader, (colors, 1))?;
+    let pass = seen_pass(inputs, needs, (name, reason), (fragment, flags), (colors, 1))?;
     schedule.push(&Scope::default(), pass);
     Ok(seen)
 }
@@ -166,14 +179,9 @@ pub(super) fn add_on_layer(
     schedule: &mut Schedule<'_>,
     scope: &Scope,
 ) -> Result<(), ShaderError> {
-    let (name, fragment, flags): (_, _, &[&str]) = match (scope.seen.triangles, scope.seen.planes) {
-        (None, None) => return Ok(()),
-        (Some(_), None) => ("visible triangles", "visible_triangle", &[]),
-        (None, Some(_)) => ("receiver planes", "receiver_plane", &["PLANES"]),
-        (Some(_), Some(_)) => ("visible triangles and receiver planes", "triangle_and_plane", &["PLANES"]),
-    };
+    let Some(Shown { name, fragment, flags }) = Shown::of(scope.seen) else { return Ok(()) };
     let triangles = scope.seen.triangles.map(|slot| ColorTarget::new(slot, no_triangle()));
-    let planes = scope.seen.planes.map(|slot| ColorTarget::new(slot, Load::Clear([0.0; 4])));
+    let planes = scope.seen.planes.map(|slot| ColorTarget::new(slot, NO_PLANE));
     let colors: Vec<_> = triangles.into_iter().chain(planes).collect();
     let state = DrawState::new(CompareFunction::Equal, vec![Some(BlendState::REPLACE); colors.len()]);
     let shader = Shader::composed("surface_measure", flags, "vertex", Some(fragment))?;

@@ -63,6 +63,11 @@ impl Instance {
         self.materials.iter().all(|material| material.is_opaque())
     }
 
+    /// Whether some part of it takes all light away where it is: as a whole, or texel by texel.
+    pub fn blocks_light(&self) -> bool {
+        self.materials.iter().any(|material| material.casts_whole() || material.casts_by_texel())
+    }
+
     /// Whether any part of it is alpha-masked.
     pub fn is_masked(&self) -> bool {
         self.materials.iter().any(|material| material.cutoff().is_some())

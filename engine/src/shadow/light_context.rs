@@ -37,7 +37,6 @@ pub struct LightContext<'a> {
     pub(crate) light_index: usize,
     pub(crate) claim: &'a Claim,
     pub(crate) layer: Option<Layer>,
-    pub(crate) has_size: bool,
     pub(crate) is_beside_size: bool,
     pub(crate) counts_before: CountsBefore,
 }
@@ -102,7 +101,7 @@ impl<'a> LightContext<'a> {
     /// centre may then still see a part of it: what other techniques leave there counts, and a surface must not be
     /// darkened by what lies in its own plane.
     pub fn has_size(&self) -> bool {
-        self.has_size
+        self.is_beside_size || self.claim.light_size().is_wide(self.light().position)
     }
 
     /// Whether another node that serves this light gives it a size. That node then has the horizon in its factor

@@ -77,7 +77,7 @@ pub fn casters_of<'a>(
     let name = &light.light().name;
     let (mut kept, mut flat, mut beyond) = (Vec::new(), Vec::new(), Vec::new());
     for (index, instance) in light.casters() {
-        if !instance.materials.iter().any(|m| m.casts_whole() || m.casts_by_texel()) {
+        if !instance.blocks_light() {
             continue;
         }
         if !light.light().may_reach(&instance.world_bounds) {

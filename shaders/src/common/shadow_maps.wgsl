@@ -100,19 +100,9 @@ struct Asking {
 
 @vertex
 fn asking(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> Asking {
-    let view = maps.views[number];
     var out: Asking;
     out.position = fullscreen_corner(index);
-    out.texel_x = view.texel_x;
-    out.texel_y = view.texel_y;
-    out.depth = view.depth;
-    out.w = view.w;
-    out.plane_x = view.plane_x;
-    out.plane_y = view.plane_y;
-    out.plane_depth = view.plane_depth;
-    out.scales = vec4f(view.texels_per_m, view.depth_per_m, view.relative_loss, view.absolute_loss);
     out.light = maps.light;
-    out.more = vec4u(bitcast<u32>(view.position_loss_m), view.layer, maps.texels, number);
 #if POINT
     out.world_x = maps.world_x;
     out.world_y = maps.world_y;
@@ -121,6 +111,22 @@ fn asking(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u3
 #if BIASED
     out.biases = vec3f(maps.constant_m, maps.slope_texels, maps.normal_texels);
 #endif
+    return about_view(out, number);
+}
+
+// The same question, put to this view.
+fn about_view(asking: Asking, number: u32) -> Asking {
+    let view = maps.views[number];
+    var out = asking;
+    out.texel_x = view.texel_x;
+    out.texel_y = view.texel_y;
+    out.depth = view.depth;
+    out.w = view.w;
+    out.plane_x = view.plane_x;
+    out.plane_y = view.plane_y;
+    out.plane_depth = view.plane_depth;
+    out.scales = vec4f(view.texels_per_m, view.depth_per_m, view.relative_loss, view.absolute_loss);
+    out.more = vec4u(bitcast<u32>(view.position_loss_m), view.layer, maps.texels, number);
     return out;
 }
 
