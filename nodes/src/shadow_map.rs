@@ -22,17 +22,16 @@
 
 mod options;
 
-use shadowgraph_engine::plan::{CompareFunction, DrawState, MULTIPLY, Shader, ShaderError};
+use shadowgraph_engine::plan::{Shader, ShaderError};
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
-    Channels, ColorTarget, Contribution, LightContext, Options, Pass, PassList, ShadowError, ShadowTechnique,
-    Traits,
+    Channels, Contribution, LightContext, Options, PassList, ShadowError, ShadowTechnique, Traits,
 };
 
 use crate::common::culling::shows_its_inside;
+use crate::common::light_maps::{LightMaps, MapsWanted};
 use crate::common::light_views::MapSize;
-use crate::common::map_casters::{CasterBuffers, Drawn, casters_of};
-use crate::common::shadow_maps::{MapViews, ShadowMaps};
+use crate::common::map_casters::Drawn;
 pub(crate) use options::biases;
 pub use options::{Faces, MAX_BIAS, MAX_MAP_RESOLUTION, MIN_MAP_RESOLUTION, ShadowMap};
 
@@ -54,40 +53,20 @@ impl ShadowTechnique for ShadowMap {
     }
 
     fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
-        if light.view.receiver_bounds.is_empty() {
-            return Ok(Contribution::default());
-        }
-        let casters = casters_of(light, out, |instance| self.drawn(light, instance));
         let size = MapSize { texels: self.resolution, margin: 0.5 * f64::from(self.pcf) + 1.5 };
-        let views = MapViews::new(light, &casters, size, self.cascades);
-        if views.is_empty() {
-            return Ok(Contribution::default());
-        }
-        let buffers = CasterBuffers::new(light, out, casters);
-        let Some(maps) = ShadowMaps::new(light, out, &buffers, &views, self.biases())? else {
+        let wanted = MapsWanted { size, cascades: self.cascades, biases: self.biases() };
+        let Some(maps) = LightMaps::new(light, out, wanted, |instance| self.drawn(light, instance))? else {
             return Ok(Contribution::default());
         };
-        let mut flags = views.flags();
-        flags.extend(self.biases().map(|_| "BIASED"));
-        let shader = self.look_up(&flags)?;
-        let state = DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]);
-        let bindings = maps.bindings(out);
-        let draws = maps.look_up(out, (&shader, &state), &bindings, views.has_cascades());
-        let (name, pcf) = (&light.light().name, self.pcf);
-        out.pass(Pass {
-            name: format!("look up {name}"),
-            reason: format!("{pcf} x {pcf} texels compared at every pixel"),
-            colors: vec![ColorTarget::VISIBILITY],
-            depth: None,
-            draws,
-        });
+        let (shader, pcf) = (self.shader(&maps.flags())?, self.pcf);
+        maps.look_up(light, out, &shader, None, format!("{pcf} x {pcf} texels compared at every pixel"));
         Ok(Contribution::visibility(Channels::One))
     }
 }
 
 impl ShadowMap {
     /// The shader that compares so many texels.
-    fn look_up(&self, flags: &[&str]) -> Result<Shader, ShaderError> {
+    fn shader(&self, flags: &[&str]) -> Result<Shader, ShaderError> {
         let taps = format!("const TAPS: i32 = {};\n", self.pcf);
         let source = shadowgraph_shaders::compose_replacing("shadow_map", flags, "common/map_taps", &taps)?;
         let name = format!("shadow_map of {} texels {}", self.pcf, flags.join(" "));

@@ -24,7 +24,7 @@ mod edges;
 mod options;
 
 use shadowgraph_engine::plan::{
-    Access, BlendState, CompareFunction, DrawState, Lifetime, Load, MULTIPLY, Resource, Shader, TextureDesc,
+    Access, BlendState, CompareFunction, DrawState, Lifetime, Load, Resource, Shader, TextureDesc,
     TextureFormat,
 };
 use shadowgraph_engine::scene::{Instance, Params};
@@ -33,9 +33,10 @@ use shadowgraph_engine::shadow::{
     PassList, ShadowError, ShadowTechnique, Traits, hash_of,
 };
 
+use crate::common::light_maps::{LightMaps, MapsWanted};
 use crate::common::light_views::MapSize;
-use crate::common::map_casters::{CasterBuffers, Drawn, casters_of};
-use crate::common::shadow_maps::{MapViews, ShadowMaps};
+use crate::common::map_casters::{CasterBuffers, Drawn};
+use crate::common::shadow_maps::ShadowMaps;
 use edges::edges_in;
 pub use edges::{SilhouetteEdge, layout as silhouette_layout};
 pub use options::{PointFormat, Show, SilhouetteMap};
@@ -67,39 +68,21 @@ impl ShadowTechnique for SilhouetteMap {
     }
 
     fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
-        if light.view.receiver_bounds.is_empty() {
-            return Ok(Contribution::default());
-        }
-        let casters = casters_of(light, out, |_| Drawn::Both);
         let size = MapSize { texels: self.resolution, margin: MARGIN };
-        let views = MapViews::new(light, &casters, size, 1);
-        if views.is_empty() {
-            return Ok(Contribution::default());
-        }
-        let buffers = CasterBuffers::new(light, out, casters);
-        let Some(maps) = ShadowMaps::new(light, out, &buffers, &views, self.biases())? else {
+        let wanted = MapsWanted { size, cascades: 1, biases: self.biases() };
+        let Some(maps) = LightMaps::new(light, out, wanted, |_| Drawn::Both)? else {
             return Ok(Contribution::default());
         };
-        let points = self.draw_points(light, out, &buffers, &maps)?;
-        let mut flags = views.flags();
-        flags.extend(self.biases().map(|_| "BIASED"));
+        let points = self.draw_points(light, out, &maps.casters, &maps.maps)?;
+        let mut flags = maps.flags();
         flags.extend((self.point_format == PointFormat::OneByte).then_some("BYTE"));
         let (fragment, channels) = match self.show {
             Show::Shadows => ("darken", Channels::One),
             Show::Points => ("show_points", Channels::Rgb),
         };
         let shader = Shader::composed("silhouette_map", &flags, "asking", Some(fragment))?;
-        let state = DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)]);
-        let mut bindings = maps.bindings(out);
-        bindings.push((POINTS, Binding::TextureArray(points)));
-        let draws = maps.look_up(out, (&shader, &state), &bindings, false);
-        out.pass(Pass {
-            name: format!("look up {}", light.light().name),
-            reason: "four corners compared at every pixel, and where they differ five points".into(),
-            colors: vec![ColorTarget::VISIBILITY],
-            depth: None,
-            draws,
-        });
+        let reason = "four corners compared at every pixel, and where they differ five points";
+        maps.look_up(light, out, &shader, Some((POINTS, Binding::TextureArray(points))), reason.into());
         Ok(Contribution::visibility(channels))
     }
 }

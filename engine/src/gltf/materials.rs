@@ -102,21 +102,7 @@ pub(super) fn read(
 
 /// JSON numbers beyond f32 become infinite; shading would spread them over the picture.
 fn check_finite(label: &str, material: &Material) -> Result<(), GltfError> {
-    let cutoff = match material.alpha_mode {
-        AlphaMode::Mask { cutoff } => cutoff,
-        _ => 0.0,
-    };
-    let scale = |texture: &Option<(TextureRef, f32)>| texture.map_or(0.0, |(_, scale)| scale);
-    let scalars = [
-        material.metallic,
-        material.roughness,
-        material.transmission,
-        cutoff,
-        scale(&material.normal_texture),
-        scale(&material.occlusion_texture),
-    ];
-    let finite = scalars.iter().all(|x| x.is_finite());
-    if finite && material.base_color.is_finite() && material.emissive.is_finite() {
+    if material.is_finite() {
         return Ok(());
     }
     Err(GltfError::Content { item: label.into(), problem: "its factors must be finite 32-bit floats".into() })

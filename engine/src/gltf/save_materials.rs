@@ -198,25 +198,11 @@ impl Materials {
 
 /// Refuses a material that has factors which are not finite.
 fn check_factors(material: &Material) -> Result<(), GltfError> {
-    let cutoff = match material.alpha_mode {
-        AlphaMode::Mask { cutoff } => cutoff,
-        _ => 0.0,
-    };
-    let scale = |texture: &Option<(TextureRef, f32)>| texture.map_or(0.0, |(_, scale)| scale);
-    let scalars = [
-        material.metallic,
-        material.roughness,
-        material.transmission,
-        cutoff,
-        scale(&material.normal_texture),
-        scale(&material.occlusion_texture),
-    ];
-    let colors_finite = material.base_color.is_finite() && material.emissive.is_finite();
-    if !(colors_finite && scalars.iter().all(|x| x.is_finite())) {
-        let what = format!("material '{}'", material.name);
-        return Err(GltfError::Save { what, problem: "has factors that are not finite".into() });
+    if material.is_finite() {
+        return Ok(());
     }
-    Ok(())
+    let what = format!("material '{}'", material.name);
+    Err(GltfError::Save { what, problem: "has factors that are not finite".into() })
 }
 
 /// The error of something that a node refers to and that the scene no longer has.

@@ -203,6 +203,19 @@ impl Material {
         self.is_opaque() && !self.unlit && self.cutoff().is_none()
     }
 
+    /// Whether all of its factors are finite.
+    pub fn is_finite(&self) -> bool {
+        let cutoff = match self.alpha_mode {
+            AlphaMode::Mask { cutoff } => cutoff,
+            _ => 0.0,
+        };
+        let scale = |texture: &Option<(TextureRef, f32)>| texture.map_or(0.0, |(_, scale)| scale);
+        let scales = [scale(&self.normal_texture), scale(&self.occlusion_texture)];
+        let scalars = [self.metallic, self.roughness, self.transmission, cutoff];
+        let finite = scalars.iter().chain(&scales).all(|x| x.is_finite());
+        finite && self.base_color.is_finite() && self.emissive.is_finite()
+    }
+
     /// Whether triangles of it block light where their alpha mask has no hole.
     pub fn casts_by_texel(&self) -> bool {
         self.is_opaque() && !self.unlit && self.cutoff().is_some()

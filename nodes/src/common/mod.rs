@@ -5,6 +5,7 @@ pub mod culling;
 pub mod extrusion;
 pub mod layer_groups;
 pub mod light_grid_lists;
+pub mod light_maps;
 pub mod light_views;
 pub mod map_casters;
 pub mod masked;
