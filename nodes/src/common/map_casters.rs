@@ -13,10 +13,11 @@ use shadowgraph_engine::math::{Aabb, Plane};
 use shadowgraph_engine::plan::{
     BlendState, BufferDesc, CompareFunction, DrawState, Resource, Shader, ShaderError,
 };
-use shadowgraph_engine::scene::{ImageKey, Instance, Material, TexCoord};
+use shadowgraph_engine::scene::{ImageKey, Instance, Material};
 use shadowgraph_engine::shadow::{Binding, Draw, Geometry, LightContext, PassList, hash_of};
 
 use super::light_views::LightView;
+use super::mask_vertices::MaskVertices;
 use super::ray_candidates::Layout;
 use super::volume::{CastShape, CasterFacing, Half};
 use crate::layout;
@@ -341,24 +342,15 @@ fn triangles_of(caster: &MapCaster<'_>, position: DVec4, part: Option<usize>) ->
 }
 
 fn masked_corners(instance: &Instance, material: &Material, triangles: &[u32]) -> Vec<MapCorner> {
-    let mesh = instance.mesh.data();
     let texture = material.base_color_texture;
-    let uvs = match texture.map(|texture| texture.tex_coord) {
-        Some(TexCoord::Second) => &mesh.second_uvs,
-        _ => &mesh.uvs,
-    };
-    let rows = texture.map(|texture| texture.transform).unwrap_or_default().rows().map(|row| row.as_dvec3());
+    let worn = MaskVertices::new(instance, texture.as_ref());
     let center = instance.world_bounds.center();
-    let corner = |vertex: u32| {
-        let uv = uvs.get(vertex as usize).copied().unwrap_or_default().as_dvec2().extend(1.0);
-        let alpha = f32::from(instance.mesh.color8(vertex)[3]) / 255.0;
-        MapCorner {
-            position: (instance.world_position(vertex) - center).as_vec3().to_array(),
-            alpha: material.base_color.w * alpha,
-            uv: [rows[0].dot(uv) as f32, rows[1].dot(uv) as f32],
-            cutoff: material.cutoff().unwrap_or_default(),
-            reading: texture.map_or(0, |texture| texture.reading_bits()),
-        }
+    let corner = |vertex: u32| MapCorner {
+        position: (instance.world_position(vertex) - center).as_vec3().to_array(),
+        alpha: material.base_color.w * worn.alpha(vertex) as f32,
+        uv: worn.uv(vertex).as_vec2().to_array(),
+        cutoff: material.cutoff().unwrap_or_default(),
+        reading: texture.map_or(0, |texture| texture.reading_bits()),
     };
     triangles.iter().flat_map(|triangle| instance.mesh.triangle(*triangle as usize)).map(corner).collect()
 }

@@ -8,6 +8,7 @@ pub mod light_grid_lists;
 pub mod light_maps;
 pub mod light_views;
 pub mod map_casters;
+pub mod mask_vertices;
 pub mod masked;
 pub mod ray_candidates;
 pub mod screen_bounds;

@@ -16,14 +16,15 @@
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
-use glam::{DVec2, DVec3, DVec4};
+use glam::{DVec3, DVec4};
 use shadowgraph_engine::geometry::{LightGrid, LightPlane};
 use shadowgraph_engine::math::{Aabb, facing_sign};
 use shadowgraph_engine::plan::{BlendState, BufferDesc, CompareFunction, DrawState, Shader, ShaderError};
-use shadowgraph_engine::scene::{ImageKey, Instance, TexCoord, TextureRef};
+use shadowgraph_engine::scene::{ImageKey, Instance, TextureRef};
 use shadowgraph_engine::shadow::{Binding, Draw, Geometry, LightContext, PassList, ShadowError, hash_of};
 
 use super::light_grid_lists::light_grid_lists;
+use super::mask_vertices::MaskVertices;
 
 /// `struct ListedCone` of common/light_grid_lists.wgsl.
 #[repr(C)]
@@ -130,21 +131,12 @@ impl<T> Run<T> {
         light: DVec4,
         make: impl Fn(Corners) -> T,
     ) -> Self {
-        let mesh = instance.mesh.data();
         let center = instance.world_bounds.center();
-        let uvs = match texture.map(|texture| texture.tex_coord) {
-            Some(TexCoord::Second) => &mesh.second_uvs,
-            _ => &mesh.uvs,
-        };
-        let rows = texture.map(|texture| texture.transform).unwrap_or_default().rows();
-        let rows = rows.map(|row| row.as_dvec3());
-        let uv = |vertex: u32| {
-            let uv = uvs.get(vertex as usize).copied().unwrap_or_default().as_dvec2().extend(1.0);
-            DVec2::new(rows[0].dot(uv), rows[1].dot(uv)).as_vec2().to_array()
-        };
+        let worn = MaskVertices::new(instance, texture);
+        let uv = |vertex: u32| worn.uv(vertex).as_vec2().to_array();
         let towards = light - (center * light.w).extend(0.0);
         let mut run = Self { cones: vec![], triangles: vec![], corners_in_world: vec![] };
-        for triangle in mesh.parts[part].triangles.clone() {
+        for triangle in instance.mesh.data().parts[part].triangles.clone() {
             let mut vertices = instance.mesh.triangle(triangle as usize);
             let [a, b, c] = vertices.map(|vertex| instance.world_position(vertex));
             match facing_sign(a, b, c, light) {

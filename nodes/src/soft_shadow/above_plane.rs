@@ -6,9 +6,10 @@
 use std::collections::HashMap;
 
 use glam::{DVec2, DVec3};
-use shadowgraph_engine::scene::{Instance, TexCoord};
+use shadowgraph_engine::scene::Instance;
 
 use super::receivers::Flat;
+use crate::common::mask_vertices::MaskVertices;
 
 /// A vertex, or a point on an edge where it was cut.
 #[derive(Clone, Copy, Debug)]
@@ -30,20 +31,11 @@ impl AbovePlane {
     /// The triangles of a part, cut where they cross the plane.
     pub(super) fn new(instance: &Instance, part: usize, flat: &Flat) -> Self {
         let mesh = instance.mesh.data();
-        let texture = instance.materials[part].base_color_texture;
-        let uvs = match texture.map(|texture| texture.tex_coord) {
-            Some(TexCoord::Second) => &mesh.second_uvs,
-            _ => &mesh.uvs,
-        };
-        let rows =
-            texture.map(|texture| texture.transform).unwrap_or_default().rows().map(|row| row.as_dvec3());
-        let vertex = |vertex: u32| {
-            let uv = uvs.get(vertex as usize).copied().unwrap_or_default().as_dvec2().extend(1.0);
-            Vertex {
-                p_in_world: instance.world_position(vertex),
-                uv: DVec2::new(rows[0].dot(uv), rows[1].dot(uv)),
-                alpha: f64::from(instance.mesh.color8(vertex)[3]) / 255.0,
-            }
+        let worn = MaskVertices::new(instance, instance.materials[part].base_color_texture.as_ref());
+        let vertex = |vertex: u32| Vertex {
+            p_in_world: instance.world_position(vertex),
+            uv: worn.uv(vertex),
+            alpha: worn.alpha(vertex),
         };
         let mut above = Self::default();
         let mut known: HashMap<(u32, u32), u32> = HashMap::new();
