@@ -2,10 +2,11 @@
 //! `ShadowVolumeHard`, in scenes like those of the silhouette maps' paper (004 Table 1: a crowd before a wall, a vehicle, a
 //! castle) and on its curved objects (bowling pins).
 //!
-//! `cargo run --example 19_maps_beside_volumes` prints two tables for each scene. The first: wrong pixels, and how far edges are
-//! off on average (wrong pixels times how far they are beyond the edge, over the pixels of the edge). The second: times of whole
-//! frames in turns, as multiples of the frame without shadows; *still* when maps are kept, *moved* when the light moves in every
-//! frame and everything is drawn anew. Pictures go to `out/`.
+//! `cargo run --example 19_maps_beside_volumes` prints three tables for each scene. The first: wrong pixels, how far edges are off
+//! on average (wrong pixels over the pixels of the edge), and how far wrong pixels are from the edge. The second: what the paper's
+//! model of memory traffic needs, and what it says: fragments of volumes for each pixel of the scene (O), and the share of pixels
+//! on silhouettes (P) of a map of 512 texels. The third: times of whole frames in turns, as multiples of the frame without shadows; *still*
+//! when maps are kept, *moved* when the light moves in every frame and everything is drawn anew. Pictures go to `out/`.
 
 #![allow(clippy::print_stdout, reason = "printing rows is what it is for")]
 
@@ -14,9 +15,11 @@ mod common;
 use std::error::Error;
 use std::time::Instant;
 
+use glam::{DMat4, DVec4};
 use shadowgraph::engine::geometry::shapes::Ends;
+use shadowgraph::engine::geometry::{Chain, facing_signs};
 use shadowgraph::measure::timing::Spread;
-use shadowgraph::measure::{KnownReferences, evaluate_again};
+use shadowgraph::measure::{KnownReferences, evaluate_again, measured};
 use shadowgraph::prelude::*;
 
 const SIZE_PX: [u32; 2] = [640, 360];
@@ -37,8 +40,9 @@ fn main() -> Result<()> {
         let scene = build()?;
         let triangles: usize = scene.snapshot()?.instances.iter().map(|i| i.mesh.triangle_count()).sum();
         println!("\n{name}: {triangles} triangles, {}x{}", SIZE_PX[0], SIZE_PX[1]);
-        errors(&scene)?;
-        times(&scene)?;
+        let right_enough = errors(&scene)?;
+        traffic(&scene)?;
+        times(&scene, right_enough)?;
         for (kind, node) in [
             ("map", ShadowNode::from(ShadowMap { pcf: 1, resolution: 512, ..ShadowMap::default() })),
             ("silhouette", SilhouetteMap { resolution: 512, ..SilhouetteMap::default() }.into()),
@@ -67,34 +71,40 @@ fn camera(scene: &Scene) -> Result<CameraSnapshot> {
     Ok(scene.snapshot()?.cameras.first().ok_or("a scene has no camera")?.clone())
 }
 
-/// Wrong pixels and mean distances against the resolution.
-fn errors(scene: &Scene) -> Result<()> {
+/// The share of wrong pixels with which a technique is right enough.
+const RIGHT_ENOUGH: f64 = 0.001;
+
+/// Prints wrong pixels and distances against the resolution; returns the first that is right enough, of maps with one comparison
+/// and of silhouettes.
+fn errors(scene: &Scene) -> Result<[Option<u32>; 2]> {
     let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
     let request = FrameRequest::new(camera(scene)?, SIZE_PX);
     let mut references = KnownReferences::default();
     println!(
-        "{:<10} {:>16} {:>16} {:>16} {:>16}",
+        "{:<10} {:>24} {:>24} {:>24} {:>24}",
         "texels", "map pcf 1", "map pcf 3", "silhouette", "one byte"
     );
-    let mut row = |label: &str, nodes: &[ShadowNode]| -> Result<()> {
-        let mut cells = String::new();
+    let mut row = |label: &str, nodes: &[ShadowNode]| -> Result<Vec<f64>> {
+        let (mut cells, mut shares) = (String::new(), Vec::new());
         for node in nodes {
             let scene = shadowed(scene, node.clone());
             let evaluation = evaluate_again(&mut renderer, &scene, &request, &mut references, &|_, _| {})?;
             let error = &evaluation.errors[0];
-            let off_px = if error.wrong == 0 { 0.0 } else { error.boundary_distance_mean_px + 0.5 };
-            let off_px = error.wrong as f64 * off_px / error.boundary_pixels.max(1) as f64;
-            let share = 100.0 * error.wrong as f64 / error.compared.max(1) as f64;
-            cells += &format!(" {share:>7.3} % {off_px:.3}px");
+            let off_px = error.wrong as f64 / error.boundary_pixels.max(1) as f64;
+            let share = error.wrong as f64 / error.compared.max(1) as f64;
+            shares.push(share);
+            let (share, from_edge_px) = (100.0 * share, error.boundary_distance_mean_px);
+            cells += &format!(" {share:>8.3} % {off_px:.3} {from_edge_px:.2} px");
         }
         println!("{label:<10}{cells}");
-        Ok(())
+        Ok(shares)
     };
+    let mut right_enough = [None; 2];
     for resolution in RESOLUTIONS {
         let map = |pcf| ShadowMap { resolution, pcf, ..ShadowMap::default() };
         let silhouette =
             |point_format| SilhouetteMap { resolution, point_format, ..SilhouetteMap::default() };
-        row(
+        let shares = row(
             &resolution.to_string(),
             &[
                 map(1).into(),
@@ -103,29 +113,109 @@ fn errors(scene: &Scene) -> Result<()> {
                 silhouette(PointFormat::OneByte).into(),
             ],
         )?;
+        for (first, share) in right_enough.iter_mut().zip([shares[0], shares[2]]) {
+            *first = first.or((share <= RIGHT_ENOUGH).then_some(resolution));
+        }
     }
-    row("volumes", &[ShadowVolumeHard::default().into()])
+    row("volumes", &[ShadowVolumeHard::default().into()])?;
+    Ok(right_enough)
 }
 
-/// Times of whole frames, in turns.
-fn times(scene: &Scene) -> Result<()> {
+/// The model of 004 §4: a map reads 4 bytes for each pixel of the scene, a silhouette map 24 more for each on a silhouette, and
+/// volumes 5.5 for each of their fragments.
+fn traffic(scene: &Scene) -> Result<()> {
+    let camera = camera(scene)?;
+    let mut renderer = common::renderer(shadowgraph_nodes::catalog())?;
+    // Where the four texels around a pixel do not agree, the mean of them is neither 0 nor 1.
+    let corners = ShadowMap { resolution: 512, pcf: 2, ..ShadowMap::default() };
+    let request = FrameRequest { factors: true, ..FrameRequest::new(camera.clone(), SIZE_PX) };
+    let frame = renderer.render(&shadowed(scene, corners), &request, &RenderOptions::default())?;
+    let measured = measured(&frame, SIZE_PX)?;
+    let pixels = measured.ids.iter().filter(|ids| ids[0] != u32::MAX).count() as f64;
+    let on_silhouettes =
+        measured.lights[0].1.iter().filter(|factor| **factor > 0.0 && **factor < 1.0).count();
+    let share = on_silhouettes as f64 / pixels;
+    let (edges, fragments) = volume_fill(scene, &camera)?;
+    let overdraw = fragments / pixels;
+    println!(
+        "silhouette edges {edges}, pixels {pixels}, O = {overdraw:.2}, P = {:.2} %; bytes for each pixel: map 4, silhouettes {:.2}, volumes {:.1}",
+        100.0 * share,
+        4.0 + 24.0 * share,
+        5.5 * overdraw
+    );
+    Ok(())
+}
+
+/// The silhouette edges of all casters, and the pixels that the sides of their volumes cover, each side from its edge to infinity.
+fn volume_fill(scene: &Scene, camera: &CameraSnapshot) -> Result<(usize, f64)> {
+    let snapshot = scene.snapshot()?;
+    let light = snapshot.lights[0].position;
+    let [width, height] = SIZE_PX.map(f64::from);
+    let clip_from_view = camera.projection.clip_from_view(width / height);
+    let clip_from_world = clip_from_view * DMat4::from(camera.world_from_view.inverse());
+    let (mut edges, mut fragments) = (0, 0.0);
+    for instance in snapshot.instances.iter().filter(|instance| instance.shadow.casts) {
+        let topology = instance.mesh.topology();
+        let p_in_world: Vec<DVec3> = (0..instance.mesh.positions().len() as u32)
+            .map(|vertex| instance.world_position(vertex))
+            .collect();
+        let signs = facing_signs(&p_in_world, topology.triangles(), light);
+        let signs = match topology.orientation(&instance.world_from_local) {
+            Some(orientation) => orientation.lit_only(&signs),
+            None => signs,
+        };
+        let chain = Chain::extract(topology, &signs);
+        edges += chain.silhouette_edges;
+        for side in &chain.sides {
+            let [a, b] = side.map(|vertex| p_in_world[vertex as usize].extend(1.0));
+            let far = |p: DVec4| (p * light.w - light).truncate().extend(0.0);
+            let side = [a, b, far(b), far(a)].map(|corner| clip_from_world * corner);
+            fragments += visible_share(side.to_vec()) * width * height;
+        }
+    }
+    Ok((edges, fragments))
+}
+
+/// The share of the picture that a polygon in clip space covers.
+fn visible_share(mut polygon: Vec<DVec4>) -> f64 {
+    let planes = [DVec4::X, DVec4::NEG_X, DVec4::Y, DVec4::NEG_Y, DVec4::NEG_Z].map(|side| side + DVec4::W);
+    for plane in planes {
+        let ends = polygon.iter().zip(polygon.iter().cycle().skip(1));
+        let cut = ends.flat_map(|(a, b)| {
+            let (at_a, at_b) = (plane.dot(*a), plane.dot(*b));
+            let crossing = (at_a * at_b < 0.0).then(|| *a + (*b - *a) * (at_a / (at_a - at_b)));
+            (at_a >= 0.0).then_some(*a).into_iter().chain(crossing)
+        });
+        polygon = cut.collect();
+    }
+    let corners: Vec<DVec2> = polygon.iter().map(|corner| corner.truncate().truncate() / corner.w).collect();
+    let ends = corners.iter().zip(corners.iter().cycle().skip(1));
+    // Twice the area of triangles from the middle; the picture's area is 4.
+    ends.map(|(a, b)| a.perp_dot(*b)).sum::<f64>().abs() / 8.0
+}
+
+/// Times of whole frames, in turns; of maps also at the resolutions that are right enough.
+fn times(scene: &Scene, [map_texels, silhouette_texels]: [Option<u32>; 2]) -> Result<()> {
     let map = |resolution| ShadowMap { resolution, pcf: 1, ..ShadowMap::default() };
     let silhouette = |resolution| SilhouetteMap { resolution, ..SilhouetteMap::default() };
-    let rows: [(&str, Option<ShadowNode>); 6] = [
-        ("no shadows", None),
-        ("volumes", Some(ShadowVolumeHard::default().into())),
-        ("map 512", Some(map(512).into())),
-        ("silhouette 512", Some(silhouette(512).into())),
-        ("map 2048", Some(map(2048).into())),
-        ("silhouette 2048", Some(silhouette(2048).into())),
+    let mut rows: Vec<(String, Option<ShadowNode>)> = vec![
+        ("no shadows".into(), None),
+        ("volumes".into(), Some(ShadowVolumeHard::default().into())),
+        ("map 2048".into(), Some(map(2048).into())),
+        ("silhouette 2048".into(), Some(silhouette(2048).into())),
     ];
+    rows.extend(map_texels.map(|texels| (format!("map {texels}: 0.1 %"), Some(map(texels).into()))));
+    rows.extend(
+        silhouette_texels
+            .map(|texels| (format!("silhouette {texels}: 0.1 %"), Some(silhouette(texels).into()))),
+    );
     let request = FrameRequest::new(camera(scene)?, SIZE_PX);
     let mut renderers = Vec::new();
     for (_, node) in &rows {
         let scene = node.as_ref().map_or(scene.clone(), |node| shadowed(scene, node.clone()));
         renderers.push((common::renderer(shadowgraph_nodes::catalog())?, scene));
     }
-    println!("{:<16} {:>14} {:>8} {:>14} {:>8}", "", "still ms", "times", "moved ms", "times");
+    println!("{:<24} {:>14} {:>8} {:>14} {:>8}", "", "still ms", "times", "moved ms", "times");
     let mut medians = vec![[Vec::new(), Vec::new()]; rows.len()];
     for round in 0..ROUNDS + 2 {
         for (place, (renderer, scene)) in renderers.iter_mut().enumerate() {
@@ -155,7 +245,7 @@ fn times(scene: &Scene) -> Result<()> {
             |own: &[f64], bare: &[f64]| Spread::of(own.iter().zip(bare).map(|(a, b)| a / b).collect());
         let (still_ms, moved_ms) = (Spread::of(still.clone()), Spread::of(moved.clone()));
         println!(
-            "{name:<16} {:>14.2} {:>8.2} {:>14.2} {:>8.2}",
+            "{name:<24} {:>14.2} {:>8.2} {:>14.2} {:>8.2}",
             still_ms.median,
             ratio(still, &bare[0]).median,
             moved_ms.median,

@@ -18,7 +18,7 @@
 //!
 //! *Limits.* What is thinner than a texel, or behind such, is missed or seen too wide: edges are off by up to a texel, and with
 //! `pcf` blurred over as many. Relief finer than a texel may shadow itself. Of a light with a size this is the shadow from
-//! its centre. Factors are computed for each fragment, so four samples a pixel are refused.
+//! its centre.
 
 mod options;
 
@@ -44,6 +44,7 @@ impl ShadowTechnique for ShadowMap {
         Traits {
             known_error: "texels: edges are off by up to one, and blurred over as many as pcf says; what is thinner is missed \
                           or too wide, and relief that is finer may shadow itself",
+            asks_each_sample: true,
             ..Traits::default()
         }
     }
@@ -58,7 +59,7 @@ impl ShadowTechnique for ShadowMap {
         let Some(maps) = LightMaps::new(light, out, wanted, |instance| self.drawn(light, instance))? else {
             return Ok(Contribution::default());
         };
-        let (shader, pcf) = (self.shader(&maps.flags())?, self.pcf);
+        let (shader, pcf) = (self.shader(&maps.flags(light))?, self.pcf);
         maps.look_up(light, out, &shader, None, format!("{pcf} x {pcf} texels compared at every pixel"));
         Ok(Contribution::visibility(Channels::One))
     }

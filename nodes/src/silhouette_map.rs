@@ -18,7 +18,6 @@
 //! *Limits.* One point for each texel: where two outlines pass one, or one bends in it, the edge is off by up to a texel (004
 //! Fig. 7). Where casters pass through one another no edge of either is the outline, and holes of masks have none: there points
 //! are in the middle of texels, and edges those of a shadow map. Of a light with a size this is the shadow from its centre.
-//! Factors are computed for each fragment, so four samples a pixel are refused.
 
 mod edges;
 mod options;
@@ -54,11 +53,12 @@ impl ShadowTechnique for SilhouetteMap {
     fn traits(&self) -> Traits {
         if self.show == Show::Points {
             let known_error = "show=points: discs at the points of silhouettes in place of shadows";
-            return Traits { known_error, ..Traits::default() };
+            return Traits { known_error, asks_each_sample: true, ..Traits::default() };
         }
         Traits {
             known_error: "one point for each texel: where two outlines pass one, or one bends in it, where casters pass through \
                           one another, and at holes of masks, edges are off by up to a texel",
+            asks_each_sample: true,
             ..Traits::default()
         }
     }
@@ -74,7 +74,7 @@ impl ShadowTechnique for SilhouetteMap {
             return Ok(Contribution::default());
         };
         let points = self.draw_points(light, out, &maps.casters, &maps.maps)?;
-        let mut flags = maps.flags();
+        let mut flags = maps.flags(light);
         flags.extend((self.point_format == PointFormat::OneByte).then_some("BYTE"));
         let (fragment, channels) = match self.show {
             Show::Shadows => ("darken", Channels::One),

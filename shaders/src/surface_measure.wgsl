@@ -118,6 +118,24 @@ fn visible_triangle(in: Varyings) -> @location(0) vec2u {
 }
 
 #if PLANES
+// Of a plane, for targets whose channels have 16 bits: low then high of its first two words, and of its last two.
+struct PlaneHalves {
+    @location(0) first: vec4u,
+    @location(1) last: vec4u,
+}
+
+@fragment
+fn plane_halves(in: Varyings) -> PlaneHalves {
+#if MASKED
+    if has_hole(in.uvs, in.alpha) {
+        discard;
+    }
+#endif
+    let low = in.plane & vec4u(0xffffu);
+    let high = in.plane >> vec4u(16u);
+    return PlaneHalves(vec4u(low.x, high.x, low.y, high.y), vec4u(low.z, high.z, low.w, high.w));
+}
+
 // Its plane, packed; 0 in the last word where the surface does not receive shadows.
 @fragment
 fn receiver_plane(in: Varyings) -> @location(0) vec4u {

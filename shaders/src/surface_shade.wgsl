@@ -211,7 +211,17 @@ fn factor_at(kind: u32, index: u32, pixel: vec2u) -> vec3f {
         // Read within the bounds wherever the pixel is: what is not read need not be fetched, nor cleared.
         let bounds = frame.shadowed_px;
         let within = clamp(pixel, bounds.xy, bounds.zw - 1u);
-        let factor = select(vec4f(1.0), textureLoad(visibility, within, index, 0), all(pixel == within));
+#if MULTISAMPLED
+        // A texel for every sample.
+        let first = 2u * within;
+        let known = sample_shares.x * textureLoad(visibility, first, index, 0)
+            + sample_shares.y * textureLoad(visibility, first + vec2u(1u, 0u), index, 0)
+            + sample_shares.z * textureLoad(visibility, first + vec2u(0u, 1u), index, 0)
+            + sample_shares.w * textureLoad(visibility, first + vec2u(1u, 1u), index, 0);
+#else
+        let known = textureLoad(visibility, within, index, 0);
+#endif
+        let factor = select(vec4f(1.0), known, all(pixel == within));
 #if ONE_CHANNEL
         return factor.rrr;
 #else

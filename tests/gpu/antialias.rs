@@ -13,7 +13,7 @@ const BOTH: [Antialias; 2] = [Antialias::Multisample4, Antialias::Supersample4];
 
 /// A matt floor lit from straight above and far away, with bars floating over it: its radiance is the same wherever
 /// the light reaches it, so that what the picture shows of the floor is the mean factor and nothing else.
-fn grid(lights: usize, shadowed: bool) -> Scene {
+fn grid(lights: usize, nodes: &[ShadowNode]) -> Scene {
     let mut scene = Scene::new();
     scene.set_ambient(Vec3::ZERO);
     let matt = Material::matt("matt", Vec3::splat(0.5));
@@ -21,18 +21,21 @@ fn grid(lights: usize, shadowed: bool) -> Scene {
     let positions = vec![Vec3::new(-2.6, 0.0, 1.8), Vec3::new(2.6, 0.0, 1.8), Vec3::new(0.0, 0.0, -2.0)];
     let floor = MeshData { name: "floor".into(), positions, indices: vec![0, 1, 2], ..MeshData::default() };
     scene.add_mesh(Mesh::new(floor).unwrap(), matt.clone(), DAffine3::IDENTITY);
+    let mut bars = Vec::new();
     for bar in 0..9 {
         let x = -2.0 + 0.5 * bar as f32;
         let data = shapes::cuboid(Vec3::new(x, 40.0, -3.0), Vec3::new(x + 0.13, 40.1, 3.0 - 0.3 * x));
         let turned = DAffine3::from_rotation_y(0.3);
-        scene.add_mesh(Mesh::new(data).unwrap(), matt.clone(), turned);
+        bars.push(scene.add_mesh(Mesh::new(data).unwrap(), matt.clone(), turned));
     }
     for light in 0..lights {
         let away = DVec3::new(0.01 * light as f64, -1.0, 0.0);
         scene.add_light(Light::directional(&format!("sun{light}"), 1.0), DVec3::ZERO, away);
     }
-    if shadowed {
-        scene.add_shadow("shadows", ShadowVolumeHard::default());
+    // Each casts for bars of its own.
+    for (place, node) in nodes.iter().enumerate() {
+        let casters = Scope::Nodes(bars.iter().skip(place).step_by(nodes.len()).copied().collect());
+        scene.add_shadow("shadows", ShadowNode { casters, ..node.clone() });
     }
     scene
 }
@@ -58,7 +61,7 @@ fn before_tone_mapping(value: f32) -> f32 {
 }
 
 /// The picture's light as a share of the same scene's without shadows, pixel by pixel, beside the mean factor of all lights there.
-fn picture_and_factor(lights: usize, antialias: Antialias) -> Option<Vec<(f32, f32)>> {
+fn picture_and_factor(nodes: &[ShadowNode], lights: usize, antialias: Antialias) -> Option<Vec<(f32, f32)>> {
     let mut renderer = shadowgraph_testing::renderer()?;
     // Dim enough for the shoulder to begin beyond it.
     let options = RenderOptions {
@@ -68,7 +71,7 @@ fn picture_and_factor(lights: usize, antialias: Antialias) -> Option<Vec<(f32, f
     };
     let request = under_the_bars(antialias);
     let [frame, unshadowed] =
-        [true, false].map(|shadowed| renderer.render(&grid(lights, shadowed), &request, &options).unwrap());
+        [nodes, &[]].map(|nodes| renderer.render(&grid(lights, nodes), &request, &options).unwrap());
     let size_px = antialias.factor_size_px(SIZE_PX);
     let mut factors = vec![0.0; (SIZE_PX[0] * SIZE_PX[1]) as usize];
     assert_eq!(frame.factors.len(), lights);
@@ -95,13 +98,29 @@ fn picture_and_factor(lights: usize, antialias: Antialias) -> Option<Vec<(f32, f
 #[test]
 fn the_picture_shows_the_mean_factor_of_its_samples() {
     let [four, twice] = BOTH;
-    for (lights, antialias) in [(1, four), (1, twice), (2, four), (11, four)] {
-        let Some(pixels) = picture_and_factor(lights, antialias) else { return };
+    let hard = ShadowNode::from(ShadowVolumeHard::default());
+    // What asks each sample by itself, alone and with counts on the same lights.
+    let map = ShadowNode::from(SilhouetteMap { resolution: 512, ..SilhouetteMap::default() });
+    let both = [hard.clone(), map.clone()];
+    let (hard, map) = ([hard], [map]);
+    for (nodes, lights, antialias) in [
+        (&hard[..], 1, four),
+        (&hard, 1, twice),
+        (&hard, 2, four),
+        (&hard, 11, four),
+        (&map, 1, four),
+        (&map, 1, twice),
+        (&both, 2, four),
+    ] {
+        let Some(pixels) = picture_and_factor(nodes, lights, antialias) else { return };
         let between = pixels.iter().filter(|(_, factor)| *factor > 0.2 && *factor < 0.8).count();
         assert!(between > 200, "{lights} {antialias}: {between} pixels on edges");
         let worst = pixels.iter().map(|(red, factor)| (red - factor).abs()).fold(0.0, f32::max);
         // Eight bits, a slight gloss, and irradiances that differ a little between the lights.
-        println!("{lights} lights, {antialias}: {between} edge pixels, off by at most {worst:.4}");
+        println!(
+            "{} nodes, {lights} lights, {antialias}: {between} edge pixels, off by at most {worst:.4}",
+            nodes.len()
+        );
         assert!(worst < 0.02, "{lights} {antialias}: {worst}");
     }
 }

@@ -72,7 +72,7 @@ fn outlines_apart_are_exact_at_few_texels() {
 }
 
 /// With one comparison a pixel and features of two texels and more, edges are on average at most half as far off as those of a
-/// shadow map of equal resolution. (Counted over all pixels along the boundary: what is right is 0 away.)
+/// shadow map of equal resolution.
 #[test]
 fn edges_are_half_as_far_off_as_those_of_a_shadow_map() {
     let Some(mut renderer) = shadowgraph_testing::renderer() else { return };
@@ -81,11 +81,8 @@ fn edges_are_half_as_far_off_as_those_of_a_shadow_map() {
     add(&mut scene, "box", block(Vec3::new(0.7, 0.7, -0.4), Vec3::new(0.3, 0.2, 0.3)));
     light(&mut scene, "lamp");
     for resolution in [128, 256, 512] {
-        let off = |error: &LightError| {
-            // A wrong pixel is at least half a pixel on the wrong side of the edge.
-            let off_px = error.wrong as f64 * (error.boundary_distance_mean_px + 0.5);
-            off_px / error.boundary_pixels as f64
-        };
+        // The area between two edges over the length of one.
+        let off = |error: &LightError| error.wrong as f64 / error.boundary_pixels as f64;
         let of_map = error(&mut renderer, &scene, map(resolution));
         let of_silhouettes = error(&mut renderer, &scene, silhouette(resolution));
         let (map_px, silhouettes_px) = (off(&of_map), off(&of_silhouettes));

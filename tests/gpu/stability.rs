@@ -7,7 +7,7 @@ use crate::known::{KNOWN, Known};
 use crate::tolerances::ROWS;
 use crate::trials::{Trial, dump, print_times, tries_everything, try_all, with_several_renderers};
 use shadowgraph::cases::Case;
-use shadowgraph::cases::sweeps::{self, Sweep};
+use shadowgraph::cases::sweeps::{self, ShowsIn, Sweep};
 use shadowgraph::engine::shadow::Catalog;
 use shadowgraph::measure::{ReferenceShadow, evaluate};
 use shadowgraph::prelude::*;
@@ -96,7 +96,9 @@ fn sweeps_of_a_lights_size_are_right_at_every_step_for_the_reference() {
     let mut catalog = Catalog::new();
     catalog.register(ReferenceShadow::ENTRY);
     let mut renderer = Renderer::new(renderer.gpu().clone(), catalog);
-    for sweep in sweeps::all().into_iter().filter(|sweep| sweep.option.is_some()) {
+    let shows_in_penumbrae =
+        |sweep: &Sweep| sweep.option.is_some_and(|swept| swept.shows_in == ShowsIn::Penumbrae);
+    for sweep in sweeps::all().into_iter().filter(shows_in_penumbrae) {
         assert!(sweep.concerns(&ReferenceShadow::ENTRY), "{}", sweep.id);
         let mut penumbrae = 0;
         for (value, case) in sweep.steps(&shadowgraph::CAST) {

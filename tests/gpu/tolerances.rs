@@ -6,7 +6,8 @@
 
 use super::tolerances_found as found;
 use super::tolerances_maps::{
-    LAMPS_ON_FACES, LONG_TEXELS, LONGER_TEXELS, MAP, SILHOUETTE, map, map_texels, silhouettes,
+    BARS_IN_SAMPLES, FEW_TEXELS, LAMPS_ON_FACES, LONG_TEXELS, LONGER_TEXELS, MAP, SILHOUETTE, map,
+    map_texels, silhouettes,
 };
 
 /// What is owed.
@@ -289,6 +290,7 @@ pub(crate) const ROWS: &[Row] = &[
                 ("offset-exact", texels()),
                 ("scale", texels()),
                 ("light-far", texels()),
+                ("texels/128", texels()),
                 ("grazing-sun", texels()),
                 ("grazing-lamp", texels()),
             ],
@@ -378,19 +380,20 @@ pub(crate) const ROWS: &[Row] = &[
     },
     exact(TRANSPARENT, "log32"),
     exact(TRANSPARENT, "product32"),
-    map("default", map_texels(0.0011, 0.0011, 0.08), &[NOT_MULTISAMPLED, LONG_TEXELS, LAMPS_ON_FACES]),
-    map("pcf 1", map_texels(0.0011, 0.0014, 0.08), &[NOT_MULTISAMPLED, LONG_TEXELS, LAMPS_ON_FACES]),
-    map("512", map_texels(0.005, 0.002, 0.105), &[NOT_MULTISAMPLED, LONGER_TEXELS, LAMPS_ON_FACES]),
-    map("cascades 3", map_texels(0.0016, 0.0016, 0.08), &[NOT_MULTISAMPLED, LONG_TEXELS, LAMPS_ON_FACES]),
+    map("default", map_texels(0.0011, 0.0011, 0.08), &[LONG_TEXELS, LAMPS_ON_FACES, FEW_TEXELS]),
+    map("pcf 1", map_texels(0.0011, 0.0014, 0.08), &[LONG_TEXELS, LAMPS_ON_FACES, FEW_TEXELS]),
+    map("512", map_texels(0.005, 0.002, 0.105), &[LONGER_TEXELS, LAMPS_ON_FACES, BARS_IN_SAMPLES]),
+    map("cascades 3", map_texels(0.0016, 0.0016, 0.08), &[LONG_TEXELS, LAMPS_ON_FACES]),
     // Two texels times the slope, and one along the normal: as far as shadows come off.
     map(
         "biased",
         map_texels(0.008, 0.001, 0.11),
         &[
-            NOT_MULTISAMPLED,
             LAMPS_ON_FACES,
             &[
                 ("alpha-mask", map_texels(0.022, 0.001, 0.17)),
+                ("msaa/in-shadow", map_texels(0.008, 0.0016, 0.11)),
+                ("texels/128", map_texels(0.008, 0.0022, 0.11)),
                 ("map-acne", map_texels(0.033, 0.001, 0.21)),
                 ("wide-band", map_texels(0.13, 0.001, 0.41)),
                 ("strip-500m", map_texels(0.22, 0.001, 0.55)),
@@ -401,13 +404,9 @@ pub(crate) const ROWS: &[Row] = &[
             ],
         ],
     ),
-    silhouettes("default", map_texels(0.0013, 0.001, 0.05), &[NOT_MULTISAMPLED, LONG_TEXELS, LAMPS_ON_FACES]),
-    silhouettes("256", map_texels(0.0075, 0.0045, 0.12), &[NOT_MULTISAMPLED, LONGER_TEXELS, LAMPS_ON_FACES]),
-    silhouettes(
-        "one byte",
-        map_texels(0.0017, 0.001, 0.055),
-        &[NOT_MULTISAMPLED, LONG_TEXELS, LAMPS_ON_FACES],
-    ),
+    silhouettes("default", map_texels(0.0013, 0.001, 0.05), &[LONG_TEXELS, LAMPS_ON_FACES]),
+    silhouettes("256", map_texels(0.0075, 0.0045, 0.12), &[LONGER_TEXELS, LAMPS_ON_FACES]),
+    silhouettes("one byte", map_texels(0.0017, 0.001, 0.055), &[LONG_TEXELS, LAMPS_ON_FACES]),
     // Its factors are computed for each fragment: four samples a pixel are refused.
     Row { except: &[&[("msaa", Tolerance::ExactWhereAccepted)]], ..exact("Reference", "default") },
 ];

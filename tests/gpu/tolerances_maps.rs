@@ -41,6 +41,15 @@ pub(crate) const LONGER_TEXELS: Group = &[
     ("grazing-lamp", map_texels(0.035, 0.001, 0.22)),
 ];
 
+/// A yard of 8 m on 128 texels.
+pub(crate) const FEW_TEXELS: Group = &[("texels/128", map_texels(0.0021, 0.0024, 0.08))];
+
+/// Bars of a fence narrower than a texel, and their shadows, at every sample.
+pub(crate) const BARS_IN_SAMPLES: Group = &[
+    ("msaa/two-lamps", map_texels(0.005, 0.0034, 0.105)),
+    ("msaa/twelve-lamps", map_texels(0.005, 0.0037, 0.11)),
+];
+
 /// Lamps a billionth of a metre over a face: nearer to it than f32 tells one direction from another.
 pub(crate) const LAMPS_ON_FACES: Group = &[
     ("lamp-1e-9-over-face", map_texels(0.2, 0.012, 0.52)),

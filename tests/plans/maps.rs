@@ -1,12 +1,10 @@
 //! `ShadowMap`: its options, what it refuses, and its plans. No GPU.
 
 use shadowgraph::engine::gltf;
-use shadowgraph::engine::plan::{Access, SlotKind, TextureFormat};
+use shadowgraph::engine::plan::{Access, FramePlan, SlotKind, TextureFormat};
 use shadowgraph::engine::scene::{ParamValue, Params};
 use shadowgraph::engine::shadow::Options;
 use shadowgraph::prelude::*;
-use shadowgraph_engine::render::FrameError;
-use shadowgraph_engine::shadow::ShadowError;
 use shadowgraph_testing::*;
 
 fn shadowed(scene: &Scene, node: impl Into<ShadowNode>) -> Scene {
@@ -15,7 +13,7 @@ fn shadowed(scene: &Scene, node: impl Into<ShadowNode>) -> Scene {
     scene
 }
 
-fn names(plan: &shadowgraph_engine::plan::FramePlan) -> Vec<&str> {
+fn names(plan: &FramePlan) -> Vec<&str> {
     plan.passes.iter().map(|pass| pass.name.as_str()).collect()
 }
 
@@ -93,12 +91,33 @@ fn cascades_are_layers_of_one_map() {
 }
 
 #[test]
-fn four_samples_a_pixel_are_refused() {
-    let request = FrameRequest { antialias: Antialias::Multisample4, ..request() };
-    match try_plan(&shadowed(&yard(), ShadowMap::default()), &request) {
-        Err(FrameError::Shadow(ShadowError::NotPerSample { technique: "ShadowMap", .. })) => {}
-        other => panic!("not refused: {other:?}"),
+fn each_of_four_samples_a_pixel_is_asked() {
+    let four = FrameRequest { antialias: Antialias::Multisample4, ..request() };
+    let scene = shadowed(&yard(), ShadowMap::default());
+    let (one, plan) = (plan(&scene, &request()), plan(&scene, &four));
+    let size_px = |plan: &FramePlan, name: &str| {
+        plan.slots.iter().find(|slot| slot.name == name).map(|slot| match slot.kind {
+            SlotKind::Texture { size_px, samples: 1, .. } => size_px,
+            _ => panic!("{slot}"),
+        })
+    };
+    // A texel for every sample, of what is asked and of what it is asked about.
+    let twice = request().size_px.map(|n| 2 * n);
+    for name in ["visibility", "depth of samples", "receiver planes"] {
+        assert_eq!(size_px(&plan, name), Some(twice), "{plan}");
     }
+    assert_eq!(size_px(&one, "depth of samples"), None, "{one}");
+    // Nothing else is drawn oftener, and what confines the look-up confines it to the same place.
+    let look_up = |plan: &FramePlan| {
+        let pass = plan
+            .passes
+            .iter()
+            .find(|pass| pass.name == "look up lamp")
+            .expect("a light is looked up")
+            .clone();
+        pass.draws[0].scissor_px.expect("the look-up is confined")
+    };
+    assert_eq!(look_up(&one).map(|n| 2 * n), look_up(&plan));
 }
 
 #[test]

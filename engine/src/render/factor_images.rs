@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use super::factors::Factors;
+use super::samples::sample_pass;
 use super::schedule::{Group, Inputs, Needs};
-use super::seen::sample_pass;
 use crate::math::facing_sign;
 use crate::plan::{
     BlendState, BufferDesc, BufferUsage, CompareFunction, DrawState, FactorAt, Load, Resource, ShaderError,

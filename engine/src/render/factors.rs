@@ -9,8 +9,8 @@ use std::borrow::Cow;
 use super::layered::Layered;
 use super::lights::{NodePasses, ReceiverPasses};
 use super::request::FrameError;
-use super::resolve;
 use super::schedule::{Group, Inputs, Needs, Scope};
+use super::{resolve, samples};
 use crate::plan::{FULL_DARKENING, FactorAt, Resource, ShaderError, SlotId, TextureDesc, TextureFormat};
 use crate::shadow::{Apply, Channels, ColorTarget, Pass, ShadowError};
 
@@ -89,12 +89,18 @@ impl Part {
     ) -> Result<Group<'p>, ShaderError> {
         let scope = Scope { visibility: self.layer, purpose: self.purpose, ..scope.clone() };
         let passes = self.claims.iter().filter_map(|claim| nodes.get(*claim)).flat_map(|node| &node.passes);
+        let each_sample = scope.each_sample;
         let mut group = Group { scope, passes: passes.map(Cow::Borrowed).collect() };
         if self.layer.is_some() && !group.passes.iter().any(|pass| pass.draws_into(Resource::VISIBILITY)) {
             group.passes.insert(0, Cow::Owned(lit_visibility()));
         }
         if self.counts && self.layer.is_some() {
-            group.push(resolve::to_visibility(light)?);
+            if each_sample {
+                group.push(samples::to_visibility(light)?);
+                group.push(resolve::to_nothing(light)?);
+            } else {
+                group.push(resolve::to_visibility(light)?);
+            }
         }
         Ok(group)
     }

@@ -5,7 +5,7 @@ use wgpu::Features;
 use super::factors::Factors;
 use super::layered::Layered;
 use super::picture::Picture;
-use super::request::{Adapter, FrameError, FrameRequest, PictureFormat};
+use super::request::{Adapter, FrameError, FrameRequest, PictureFormat, check_size};
 use super::schedule::{Inputs, Needs, Schedule, Scope};
 use super::shading::Before;
 use super::surfaces::{Surfaces, receiver_bounds};
@@ -49,7 +49,7 @@ pub fn plan_frame(
     let (needs_mut, passes) = (&mut needs, &mut Schedule::default());
     let prepass = prepass::add(inputs, passes, factors.are_left_by_passes(&opaque));
     let seen = seen::add(inputs, needs_mut, passes, &opaque)?;
-    let scope = &Scope { seen, ..Scope::default() };
+    let scope = &Scope { seen, each_sample: inputs.is_multisampled(), ..Scope::default() };
     let mut lights = light_passes::add(inputs, needs_mut, passes, scope, &factors, &opaque)?;
     let before = Before { prepass, layered: layers.is_some() };
     shading::add(inputs, needs_mut, passes, (picture.drawn, before), &factors, &lights)?;
@@ -93,21 +93,12 @@ fn view(snapshot: &SceneSnapshot, request: &FrameRequest, adapter: &Adapter<'_>)
     }
     let size_px = request.antialias.drawn_size_px(request.size_px);
     let needed = if request.factors { request.antialias.factor_size_px(request.size_px) } else { size_px };
-    if needed.iter().any(|n| *n > limit) {
-        let (antialias, [needed_width, needed_height]) = (request.antialias, needed);
-        return Err(FrameError::AntialiasedSize {
-            antialias,
-            width,
-            height,
-            needed_width,
-            needed_height,
-            limit,
-        });
-    }
+    check_size(request, adapter, needed)?;
     let camera = request.camera.fitted_to(&snapshot.world_bounds);
     let frustum = camera.frustum(size_px);
     let receiver_bounds = receiver_bounds(snapshot, &frustum);
-    Ok(View { camera, size_px, receiver_bounds, frustum })
+    let samples = request.antialias.samples();
+    Ok(View { camera, size_px, samples, receiver_bounds, frustum })
 }
 
 /// What is said before anything is planned.

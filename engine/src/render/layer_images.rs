@@ -72,14 +72,14 @@ pub(super) fn draw<'p>(
         let LookedAt { receivers, triangles, kept } = layer;
         let scope = Scope {
             depth: receivers.depth,
-            seen: Seen { triangles: Some(*triangles), planes },
+            seen: Seen { triangles: Some(*triangles), planes, depth: None },
             place: format!(" on layer {number}"),
             ..Scope::default()
         };
         schedule.push(&scope, peel(inputs, last, *triangles)?);
         if *kept {
             if receivers.are_shadowed() {
-                let seen = Seen { triangles: None, planes };
+                let seen = Seen { triangles: None, planes, depth: None };
                 seen::add_on_layer(inputs, schedule, &Scope { seen, ..scope.clone() })?;
             }
             images_of(inputs, needs, schedule, (number, receivers, &scope), (factors, lights))?;

@@ -195,29 +195,37 @@ fn check_one_way(light: &str, claims: &[Claim], nodes: &[NodePasses]) -> Result<
     }
 }
 
-/// Counts are kept for every sample by the stencil itself. A visibility target is written once for each fragment: its
-/// samples would all hold the factor of one point, and edges would be as wrong as without antialiasing. So would the
-/// images of what each pixel shows, and a counter of its own beside the receivers' depth.
+/// Counts are kept for every sample by the stencil itself, and a technique that asks each sample has a texel for each. Any other
+/// visibility is written once for each fragment: its samples would all hold the factor of one point, and edges would be as
+/// wrong as without antialiasing. So would the images of what each pixel shows, and a counter of its own beside the
+/// receivers' depth. A finished picture is darkened once for each fragment.
 fn check_per_sample(needs: &Needs, claim: &Claim, node: Option<&NodePasses>) -> Result<(), ShadowError> {
     let Some(NodePasses { passes, contribution }) = node else { return Ok(()) };
-    let beside_depth =
-        passes.iter().filter(|pass| pass.depth.is_some_and(|depth| depth.slot == Resource::RECEIVER_DEPTH));
-    let counter = beside_depth.flat_map(|pass| &pass.colors).find_map(|color| match color.slot.0 {
-        Symbol::Slot(slot) => match needs.slots.get(slot).kind {
-            SlotKind::Texture { format, samples: 1, .. } => Some(format),
+    let beside_depth = |pass: &&Pass| pass.depth.is_some_and(|depth| depth.slot == Resource::RECEIVER_DEPTH);
+    let counter = passes.iter().filter(beside_depth).flat_map(|pass| &pass.colors).find_map(|color| {
+        match color.slot.0 {
+            Symbol::Slot(slot) => match needs.slots.get(slot).kind {
+                SlotKind::Texture { format, samples: 1, .. } => Some(format),
+                _ => None,
+            },
             _ => None,
-        },
-        _ => None,
+        }
     });
+    let shades = matches!(contribution.apply, Apply::Light { .. });
+    let by_itself = |pass: &Pass| pass.depth.is_none() || !pass.draws_into(Resource::VISIBILITY);
+    let asks_each = claim.technique.traits().asks_each_sample && shades && passes.iter().all(by_itself);
     let asks = |symbol| passes.iter().any(|pass| pass.reads(Resource(symbol)));
     let image = if asks(Symbol::VisibleTriangles) {
         Some(TextureFormat::Rg32Uint)
     } else {
         asks(Symbol::ReceiverPlanes).then_some(super::schedule::RECEIVER_PLANES)
     };
-    let Some(format) = counter.or(contribution.visibility.map(crate::shadow::Channels::format)).or(image)
-    else {
-        return Ok(());
-    };
-    Err(ShadowError::NotPerSample { node: claim.node.clone(), technique: claim.type_name, format })
+    let visibility = contribution.visibility.map(crate::shadow::Channels::format);
+    match counter.or(visibility.or(image).filter(|_| !asks_each)) {
+        None => Ok(()),
+        Some(format) => {
+            let (node, technique) = (claim.node.clone(), claim.type_name);
+            Err(ShadowError::NotPerSample { node, technique, format })
+        }
+    }
 }

@@ -3,7 +3,7 @@
 
 use super::factors::Factors;
 use super::picture::Picture;
-use super::request::FrameError;
+use super::request::{FrameError, check_size};
 use super::schedule::{DepthDesc, Group, Inputs, Needs, Schedule, Scope};
 use super::states::CLEAR_STENCIL;
 use crate::plan::{
@@ -50,9 +50,15 @@ pub(super) fn lower(
     let mut visibility = None;
     if factors.visibilities > 0 {
         visibility = Some(SlotId(slots.len()));
-        slots.push(visibility_slot(factors, size_px));
+        slots.push(visibility_slot(inputs, factors)?);
     }
     let (shadowed_px, lit) = shadowed(schedule, size_px);
+    let lit = match lit {
+        Load::ClearWithin(value, pixels) if inputs.is_multisampled() => {
+            Load::ClearWithin(value, texels_of(pixels))
+        }
+        lit => lit,
+    };
     let textures = Textures { depths: depth_slots, stencils, visibility, lit };
     let mut passes: Vec<plan::Pass> =
         schedule.groups.iter().flat_map(|group| textures.group(group)).collect();
@@ -98,14 +104,22 @@ fn depth_slot(desc: &DepthDesc, stencil: bool, size_px: [u32; 2]) -> Slot {
     Slot { name: desc.name.clone(), kind, reason: format!("{}{more}", desc.reason), kept: None }
 }
 
-fn visibility_slot(factors: &Factors, size_px: [u32; 2]) -> Slot {
+/// With several samples a pixel there is a texel for each.
+fn visibility_slot(inputs: &Inputs<'_>, factors: &Factors) -> Result<Slot, FrameError> {
     let (format, layers) = (factors.channels.format(), factors.visibilities);
-    Slot {
+    let size_px = inputs.request.antialias.factor_size_px(inputs.request.size_px);
+    check_size(inputs.request, inputs.adapter, size_px)?;
+    Ok(Slot {
         name: "visibility".into(),
         kind: SlotKind::Texture { format, size_px, layers, samples: 1 },
         reason: "factors of lights that are not hard".into(),
         kept: None,
-    }
+    })
+}
+
+/// A rectangle of pixels in texels of which each pixel has four.
+fn texels_of(pixels: [u32; 4]) -> [u32; 4] {
+    pixels.map(|n| 2 * n)
 }
 
 /// Of a frame that is shadowed in more than this share, all is cleared.
@@ -184,9 +198,20 @@ impl Textures {
             draws: pass
                 .draws
                 .iter()
-                .map(|draw| draw.lowered(|read| self.binding(scope, read), |slot| self.slot(scope, slot)))
+                .map(|draw| {
+                    self.draw(scope, draw, scope.each_sample && pass.draws_into(Resource::VISIBILITY))
+                })
                 .collect(),
         }
+    }
+
+    /// A draw, into a texel for `each_sample` or into pixels.
+    fn draw(&self, scope: &Scope, draw: &Draw, each_sample: bool) -> plan::Draw {
+        let mut draw = draw.lowered(|read| self.binding(scope, read), |slot| self.slot(scope, slot));
+        if each_sample {
+            draw.scissor_px = draw.scissor_px.map(texels_of);
+        }
+        draw
     }
 
     fn color(&self, scope: &Scope, color: &ColorTarget, lit: Option<Load>) -> plan::ColorTarget {
@@ -216,6 +241,9 @@ impl Textures {
         match binding {
             Binding::Texture(read) if read == Resource::VISIBILITY => {
                 plan::Binding::TextureLayer(slot(read), scope.visibility.unwrap_or_default())
+            }
+            Binding::Texture(read) if read == Resource::RECEIVER_DEPTH => {
+                plan::Binding::Texture(scope.seen.depth.unwrap_or_else(|| slot(read)))
             }
             Binding::Storage(read) => plan::Binding::Storage(slot(read)),
             Binding::Texture(read) => plan::Binding::Texture(slot(read)),

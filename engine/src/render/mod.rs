@@ -20,6 +20,7 @@ mod prepass;
 mod renderer;
 mod request;
 mod resolve;
+mod samples;
 mod schedule;
 mod seen;
 mod shading;

@@ -115,6 +115,19 @@ pub struct Adapter<'a> {
     pub multisampled: &'a [TextureFormat],
 }
 
+/// Checks that the adapter has targets as large as antialiasing asks for.
+pub(super) fn check_size(
+    request: &FrameRequest,
+    adapter: &Adapter<'_>,
+    [needed_width, needed_height]: [u32; 2],
+) -> Result<(), FrameError> {
+    let (antialias, [width, height], limit) = (request.antialias, request.size_px, adapter.max_size_px);
+    if needed_width <= limit && needed_height <= limit {
+        return Ok(());
+    }
+    Err(FrameError::AntialiasedSize { antialias, width, height, needed_width, needed_height, limit })
+}
+
 impl Adapter<'_> {
     /// Checks that there are targets of four samples in `format`, needed as `what`.
     pub(super) fn check_multisampled(&self, what: &str, format: TextureFormat) -> Result<(), FrameError> {

@@ -72,6 +72,8 @@ pub(super) struct Scope {
     pub(super) depth: DepthId,
     /// What the receivers' pixels show.
     pub(super) seen: Seen,
+    /// Whether the visibility has a texel for every sample of a pixel.
+    pub(super) each_sample: bool,
     /// The layer of the visibility array that the light's factor is in. The first pass that draws into it makes it 1.
     pub(super) visibility: Option<u32>,
     /// Where the passes are, after their names.
@@ -90,6 +92,8 @@ pub(super) struct Seen {
     pub(super) triangles: Option<SlotId>,
     /// The plane that it lies in.
     pub(super) planes: Option<SlotId>,
+    /// Its depth, where that is not the receivers' own: one texel for every sample.
+    pub(super) depth: Option<SlotId>,
 }
 
 /// Passes that follow one another and name the same things.

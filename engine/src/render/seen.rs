@@ -3,16 +3,18 @@
 
 use super::lights::ReceiverPasses;
 use super::request::FrameError;
-use super::resolve::fullscreen;
+use super::samples;
 use super::schedule::{Inputs, Needs, RECEIVER_PLANES, Schedule, Scope, Seen};
 use crate::plan::{
-    Access, BlendState, CompareFunction, DrawState, Load, PulledStyle, Shader, ShaderError, SlotId, Symbol,
+    Access, BlendState, CompareFunction, DrawState, Load, PulledStyle, Shader, ShaderError, Symbol,
     TextureDesc, TextureFormat,
 };
-use crate::shadow::{Binding, ColorTarget, DepthTarget, Draw, Pass};
+use crate::shadow::{ColorTarget, DepthTarget, Draw, Pass};
+
+pub(super) const PLANES_REASON: &str = "a technique asks in which plane each pixel's surface lies";
 
 /// Where nothing is seen.
-const NO_PLANE: Load = Load::Clear([0.0; 4]);
+pub(super) const NO_PLANE: Load = Load::Clear([0.0; 4]);
 
 impl Seen {
     /// Textures for what the passes of these receivers ask to know.
@@ -28,8 +30,8 @@ impl Seen {
         };
         let reason = "a technique asks which triangle each pixel shows";
         let triangles = texture(triangles, "visible triangles", TextureFormat::Rg32Uint, reason);
-        let reason = "a technique asks in which plane each pixel's surface lies";
-        Self { triangles, planes: texture(planes, "receiver planes", RECEIVER_PLANES, reason) }
+        let planes = texture(planes, "receiver planes", RECEIVER_PLANES, PLANES_REASON);
+        Self { triangles, planes, depth: None }
     }
 }
 
@@ -56,8 +58,7 @@ impl Shown {
 }
 
 /// Draws what each pixel of the opaque surfaces shows, as far as techniques ask or factors are measured, with a depth test
-/// of its own so that of two coincident surfaces the first drawn wins, as in the prepass. Where the triangles of every
-/// sample are wanted, there is a texel for each.
+/// of its own so that of two coincident surfaces the first drawn wins, as in the prepass.
 ///
 /// # Errors
 /// What the adapter cannot do with four samples a pixel.
@@ -67,14 +68,10 @@ pub(super) fn add(
     schedule: &mut Schedule<'_>,
     opaque: &ReceiverPasses,
 ) -> Result<Seen, FrameError> {
-    let mut seen = Seen::asked_by(inputs, needs, [opaque].into_iter());
     if inputs.is_multisampled() {
-        // What each pixel shows is refused with several samples: techniques ask for nothing.
-        if inputs.request.factors {
-            seen.triangles = Some(triangles_of_samples(inputs, needs, schedule)?);
-        }
-        return Ok(seen);
+        return samples::add(inputs, needs, schedule, opaque);
     }
+    let mut seen = Seen::asked_by(inputs, needs, [opaque].into_iter());
     if inputs.request.factors && seen.triangles.is_none() {
         let reason = "measuring compares where reference and GPU see the same triangle";
         let (format, size_px) = (TextureFormat::Rg32Uint, inputs.view.size_px);
@@ -85,7 +82,7 @@ pub(super) fn add(
     let Some(Shown { name, fragment, flags }) = Shown::of(seen) else { return Ok(seen) };
     let reason = match seen.triangles {
         Some(_) => triangles_reason(inputs),
-        None => "a technique asks in which plane each pixel's surface lies",
+        None => PLANES_REASON,
     };
     let colors = triangles.into_iter().chain(planes).collect();
     let pass = seen_pass(inputs, needs, (name, reason), (fragment, flags), (colors, 1))?;
@@ -93,7 +90,7 @@ pub(super) fn add(
     Ok(seen)
 }
 
-fn triangles_reason(inputs: &Inputs<'_>) -> &'static str {
+pub(super) fn triangles_reason(inputs: &Inputs<'_>) -> &'static str {
     if inputs.request.factors {
         "measuring compares where reference and GPU see the same triangle"
     } else {
@@ -108,7 +105,7 @@ pub(super) fn no_triangle() -> Load {
 }
 
 /// A pass over what is seen, one pixel or sample one triangle.
-fn seen_pass(
+pub(super) fn seen_pass(
     inputs: &Inputs<'_>,
     needs: &mut Needs,
     (name, reason): (&str, &str),
@@ -127,49 +124,6 @@ fn seen_pass(
         colors,
         depth: Some(DepthTarget::new(depth, Access::Clear(0.0))),
         draws: inputs.pulled_runs(&inputs.surfaces.opaque, shader, &state, &[])?,
-    })
-}
-
-/// The visible triangle of every sample, a texel each.
-fn triangles_of_samples(
-    inputs: &Inputs<'_>,
-    needs: &mut Needs,
-    schedule: &mut Schedule<'_>,
-) -> Result<SlotId, FrameError> {
-    let (reason, samples) = (triangles_reason(inputs), inputs.request.antialias.samples());
-    // No format of 64 bits and two channels has samples; one of four channels does.
-    let format = TextureFormat::Rgba16Uint;
-    inputs.adapter.check_multisampled("visible triangles", format)?;
-    let name = "visible triangles in samples";
-    let desc = TextureDesc { samples, ..TextureDesc::new(name, format, inputs.view.size_px, reason) };
-    let in_samples = needs.slots.texture(desc);
-    let color = ColorTarget::new(in_samples, Load::Clear([65535.0; 4]));
-    let shader: (_, &[&str]) = ("visible_triangle", &["HALVES"]);
-    let pass = seen_pass(inputs, needs, ("visible triangles", reason), shader, (vec![color], samples))?;
-    schedule.push(&Scope::default(), pass);
-    let size_px = inputs.request.antialias.factor_size_px(inputs.request.size_px);
-    let (name, format) = ("visible triangles", TextureFormat::Rg32Uint);
-    let slot = needs.texture(name, format, size_px, "a texel for every sample");
-    let bindings = vec![(0, Binding::Texture(in_samples.into()))];
-    schedule.push(&Scope::default(), sample_pass(name, slot, ("triangle", &[]), bindings)?);
-    Ok(slot)
-}
-
-/// A pass that writes a texel for every sample.
-pub(super) fn sample_pass(
-    name: &str,
-    slot: SlotId,
-    (fragment, flags): (&'static str, &[&str]),
-    bindings: Vec<(u32, Binding)>,
-) -> Result<Pass, ShaderError> {
-    let state = DrawState::new(CompareFunction::Always, vec![Some(BlendState::REPLACE)]);
-    let draw = fullscreen("samples", ("sample_images", flags, fragment), state)?;
-    Ok(Pass {
-        name: format!("{name} of samples"),
-        reason: "the factor of every sample was asked for".into(),
-        colors: vec![ColorTarget::new(slot, Load::Clear([0.0; 4]))],
-        depth: None,
-        draws: vec![draw.reading(bindings)],
     })
 }
 

@@ -9,8 +9,8 @@ use super::sorted::Sorted;
 use super::surface_functions;
 use crate::gpu::TintUniform;
 use crate::plan::{
-    Access, BlendState, BufferDesc, BufferUsage, CompareFunction, DrawState, FULL_DARKENING, FactorAt,
-    LightPlanned, Load, Resource, SlotId, SurfaceStyle, Symbol,
+    Access, BlendState, BufferDesc, BufferUsage, CompareFunction, DepthId, DrawState, FULL_DARKENING,
+    FactorAt, LightPlanned, Load, Resource, SlotId, SurfaceStyle, Symbol,
 };
 use crate::shadow::{Binding, ColorTarget, DepthTarget, Draw, Pass, hash_of};
 
@@ -36,7 +36,7 @@ pub(super) fn add(
     let mut bindings = factor_bindings(inputs, needs, factors, lights);
     if inputs.is_multisampled() && !bindings.is_empty() {
         // Which samples show the fragment that is shaded: their factors are averaged.
-        bindings.push((3, Binding::Texture(Resource::RECEIVER_DEPTH)));
+        bindings.push((3, Binding::Texture(DepthId::default().resource())));
     }
     let mut state = DrawState::new(CompareFunction::Equal, vec![Some(BlendState::REPLACE)]);
     let mut depth = DepthTarget::TEST;

@@ -47,6 +47,10 @@ pub struct Traits {
     pub receiver_layers: Layers,
     /// Whether it shades only the receivers that its node names. Elsewhere its factor is 1 and is not compared.
     pub shades_receivers_only: bool,
+    /// Whether every draw of its into the visibility asks for each texel by itself, at `place_px` of `common/frame`, and
+    /// its shaders are composed with [`View::sample_flags`](super::View::sample_flags). With four samples a pixel it is then
+    /// asked for every sample, and without that refused.
+    pub asks_each_sample: bool,
 }
 
 /// A way to compute shadows.

@@ -11,11 +11,21 @@ pub struct View {
     pub camera: CameraSnapshot,
     /// Width and height of the picture, in pixels.
     pub size_px: [u32; 2],
+    /// Samples of a pixel. With more than one, the light's visibility and the images of what is seen have a texel for every
+    /// sample, twice as many as pixels along each side; scissors stay in pixels.
+    pub samples: u32,
     /// The camera's frustum.
     pub frustum: ViewFrustum,
     /// The box around every surface that may receive a shadow in this view, in the world. Volumes need not reach
     /// beyond it.
     pub receiver_bounds: Aabb,
+}
+
+impl View {
+    /// The flags under which `place_px` of `common/frame` says where a texel of these images lies.
+    pub fn sample_flags(&self) -> &'static [&'static str] {
+        if self.samples > 1 { &["EACH_SAMPLE"] } else { &[] }
+    }
 }
 
 /// The most lights that can have smooth terminators: every instance has a bit for each of them.

@@ -139,17 +139,23 @@ impl Case {
         FrameRequest { antialias: self.antialias, ..FrameRequest::new(self.camera.clone(), self.size_px) }
     }
 
-    /// The scene with another technique in its first shadow node: with `params`, and with those of the case's own options
-    /// that the technique has.
+    /// `params` of a technique and those of the case's own options that it has; without the latter where it does not accept
+    /// them beside `params` (texels of a texture, where nothing is kept in one).
+    pub fn params_with(&self, technique: &TechniqueEntry, params: &Params) -> Params {
+        let known = (technique.options)();
+        let own = self.options.iter().filter(|(name, _)| known.find(name).is_some());
+        let own = own.map(|(name, value)| (name.clone(), value.clone()));
+        let with_own = params.clone().into_iter().chain(own).collect();
+        if (technique.from_params)(&with_own).is_ok() { with_own } else { params.clone() }
+    }
+
+    /// The scene with another technique in its first shadow node, with [these](Self::params_with) params.
     ///
     /// # Errors
     /// What the technique does not accept.
     pub fn scene_with(&self, technique: &TechniqueEntry, params: &Params) -> Result<Scene, OptionError> {
         let made = (technique.from_params)(params)?;
-        let known = (technique.options)();
-        let own = self.options.iter().filter(|(name, _)| known.find(name).is_some());
-        let own = own.map(|(name, value)| (name.clone(), value.clone()));
-        let params: Params = params.clone().into_iter().chain(own).collect();
+        let params = self.params_with(technique, params);
         let mut scene = self.scene.clone();
         let receivers =
             scene.snapshot().map(|snapshot| receivers_for(&snapshot, made.as_ref())).unwrap_or_default();

@@ -11,7 +11,7 @@ mod stages;
 
 use glam::DVec3;
 use shadowgraph_engine::scene::Params;
-use shadowgraph_engine::shadow::TechniqueEntry;
+use shadowgraph_engine::shadow::{Setting, TechniqueEntry};
 
 use super::stage::{Stage, p};
 use super::{About, Case, Cast, counts};
@@ -23,6 +23,24 @@ pub enum Axis {
     Linear,
     /// Equal ratios; every value is positive.
     Log,
+}
+
+/// An option of techniques that is swept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Swept {
+    /// Its name.
+    pub option: &'static str,
+    /// Where its settings differ.
+    pub shows_in: ShowsIn,
+}
+
+/// Where the settings of an option differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShowsIn {
+    /// In the penumbrae of lights with a size.
+    Penumbrae,
+    /// In how far the edges of shadows are off, where there are no penumbrae.
+    Edges,
 }
 
 /// One parameter of a scene over its range.
@@ -44,7 +62,7 @@ pub struct Sweep {
     /// setting.
     pub about: About,
     /// The option that is swept, where it is one.
-    pub option: Option<&'static str>,
+    pub option: Option<Swept>,
     stages: fn() -> Vec<(f64, Stage)>,
 }
 
@@ -62,6 +80,31 @@ impl Sweep {
         self.compares(technique) || (self.option.is_some() && self.concerns(technique))
     }
 
+    /// Those of a technique's settings that the sweep tells apart: of an option that is swept, those on which it acts, and of
+    /// settings that differ in this option only the first.
+    pub fn told_apart(
+        &self,
+        technique: &TechniqueEntry,
+        settings: impl Iterator<Item = Setting>,
+    ) -> Vec<Setting> {
+        let steps =
+            self.option.filter(|_| self.concerns(technique)).map(|swept| (swept, self.steps(&Cast::NOBODY)));
+        let Some((swept, (_, first))) =
+            steps.and_then(|(swept, steps)| Some((swept, steps.into_iter().next()?)))
+        else {
+            return settings.collect();
+        };
+        let mut seen: Vec<Params> = Vec::new();
+        let is_new = |setting: &Setting| {
+            let params = first.params_with(technique, &(setting.params)());
+            let acts = params.get(swept.option) == first.options.get(swept.option);
+            let is_new = acts && !seen.contains(&params);
+            seen.push(params);
+            is_new
+        };
+        settings.filter(is_new).collect()
+    }
+
     /// Whether it is there to compare the quality settings of a technique.
     pub fn compares(&self, technique: &TechniqueEntry) -> bool {
         self.about == About::Glass && casts_transparent(technique)
@@ -71,7 +114,7 @@ impl Sweep {
     /// to others what is swept.
     pub fn concerns(&self, technique: &TechniqueEntry) -> bool {
         let left_out = self.about == About::Glass && !casts_transparent(technique);
-        !left_out && self.option.is_none_or(|option| (technique.options)().find(option).is_some())
+        !left_out && self.option.is_none_or(|swept| (technique.options)().find(swept.option).is_some())
     }
 }
 
@@ -253,7 +296,7 @@ const SWEEPS: &[Sweep] = &[
         id: "light-radius",
         parameter: "radius of a lamp",
         what_breaks: "a light larger than its casters, than the scene, than the distance to them",
-        option: Some("radius"),
+        option: Some(Swept { option: "radius", shows_in: ShowsIn::Penumbrae }),
         stages: stages::light_radius,
         ..BASE
     },
@@ -262,8 +305,17 @@ const SWEEPS: &[Sweep] = &[
         parameter: "half-angle of the sun",
         unit: "deg",
         what_breaks: "a light larger than its casters",
-        option: Some("angle"),
+        option: Some(Swept { option: "angle", shows_in: ShowsIn::Penumbrae }),
         stages: stages::light_angle,
+        ..BASE
+    },
+    Sweep {
+        id: "texels",
+        parameter: "texels along a side of what a technique looks up",
+        unit: "",
+        what_breaks: "edges as coarse as texels, and features narrower than two of them",
+        option: Some(Swept { option: "resolution", shows_in: ShowsIn::Edges }),
+        stages: stages::texels,
         ..BASE
     },
     Sweep {

@@ -6,6 +6,7 @@ use shadowgraph_engine::scene::{CameraSnapshot, Params, Scene};
 
 use super::totals::Totals;
 use crate::LightError;
+use crate::cases::sweeps::Swept;
 use crate::compare::timing::Spread;
 
 /// A scene to report on.
@@ -256,7 +257,7 @@ pub struct SweepReport {
     /// Where f32 must lose, and why.
     pub f32_loses: &'static str,
     /// The option of techniques that is swept, where it is one.
-    pub option: Option<&'static str>,
+    pub option: Option<Swept>,
     /// The short name of the technique whose settings are compared, where one is.
     pub compares: Option<&'static str>,
     /// For each technique and setting its steps.

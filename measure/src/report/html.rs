@@ -8,6 +8,7 @@ use super::scales::{count, number};
 use super::svg::Svg;
 use super::tables::OverviewRow;
 use super::{Fit, Totals, fit, plots, style, tables};
+use crate::cases::sweeps::ShowsIn;
 
 /// A cell of a table.
 pub(super) enum Cell {
@@ -357,11 +358,15 @@ fn sweeps(report: &Report) -> Markup {
                 @for sweep in &report.sweeps {
                     @if let Some(svg) = plots::qualities(sweep) {
                         (plot("lines", &svg, &plots::qualities_title(sweep), &html! {
-                            strong { (sweep.id) } ": every "
-                            @if sweep.option.is_some() {
-                                "quality’s error beside the whole light, over the penumbra’s pixels."
-                            } @else {
-                                "setting’s error outside the ambiguity band, one beside the other."
+                            strong { (sweep.id) } ": "
+                            @match sweep.option.map(|swept| swept.shows_in) {
+                                Some(ShowsIn::Penumbrae) => {
+                                    "every quality’s error beside the whole light, over the penumbra’s pixels."
+                                }
+                                Some(ShowsIn::Edges) => {
+                                    "how far the edges of hard shadows are off on average: wrong pixels over the pixels of the true edge."
+                                }
+                                None => "every setting’s error outside the ambiguity band, one beside the other.",
                             }
                         }))
                     }

@@ -9,6 +9,7 @@ use super::svg::Svg;
 use super::tables::axis_points;
 use super::totals::Totals;
 use super::{style, tables};
+use crate::cases::sweeps::ShowsIn;
 
 /// The main plot's file.
 pub(super) const MAIN: &str = "speed-error.svg";
@@ -247,26 +248,36 @@ pub(super) fn cost(axis: &AxisReport) -> Svg {
 
 /// What [`qualities`] plots.
 pub(super) fn qualities_title(sweep: &SweepReport) -> String {
-    let of = if sweep.option.is_some() { "Error in penumbrae" } else { "Error of each setting" };
+    let of = match sweep.option.map(|swept| swept.shows_in) {
+        Some(ShowsIn::Penumbrae) => "Error in penumbrae",
+        Some(ShowsIn::Edges) => "Distance of edges",
+        None => "Error of each setting",
+    };
     format!("{of} against {}", sweep.parameter)
 }
 
-/// The error of every quality setting against an option of theirs, in penumbrae, or of one technique's settings that
-/// a sweep compares, outside the band; `None` where a sweep does neither, or nothing has a penumbra.
+/// The error of every quality setting against an option of theirs, where that shows, or of one technique's settings that
+/// a sweep compares, outside the band; `None` where a sweep does neither, or it shows nowhere.
 pub(super) fn qualities(sweep: &SweepReport) -> Option<Svg> {
-    let in_penumbra = sweep.option.is_some();
-    if !in_penumbra && sweep.compares.is_none() {
+    let shows_in = sweep.option.map(|swept| swept.shows_in);
+    if shows_in.is_none() && sweep.compares.is_none() {
         return None;
     }
     let is_compared = |name: &str| {
         let of = |short: &str| {
             name.strip_prefix(short).is_some_and(|rest| rest.is_empty() || rest.starts_with(' '))
         };
-        in_penumbra || sweep.compares.is_some_and(of)
+        shows_in.is_some() || sweep.compares.is_some_and(of)
     };
-    let error = |totals: &Totals| match in_penumbra {
-        true => (totals.penumbra_pixels > 0).then_some(totals.penumbra_rmse),
-        false => Some(totals.rmse_outside_band),
+    let error = |totals: &Totals| match shows_in {
+        Some(ShowsIn::Penumbrae) => (totals.penumbra_pixels > 0).then_some(totals.penumbra_rmse),
+        Some(ShowsIn::Edges) => (totals.penumbra_pixels == 0).then(|| totals.edge_distance_px()),
+        None => Some(totals.rmse_outside_band),
+    };
+    let (title, unit, place) = match shows_in {
+        Some(ShowsIn::Penumbrae) => ("penumbra RMSE", "RMSE", "in the penumbra"),
+        Some(ShowsIn::Edges) => ("edges off, px", "px", "from the edge on average"),
+        None => (ERROR_TITLE, "RMSE", "outside the band"),
     };
     let judged = |(index, (name, steps)): (usize, &(String, Vec<SweepStep>))| {
         let points: Vec<[f64; 2]> =
@@ -285,13 +296,12 @@ pub(super) fn qualities(sweep: &SweepReport) -> Option<Svg> {
         least: 10.0,
     };
     let y = AxisOf {
-        title: if in_penumbra { "penumbra RMSE" } else { ERROR_TITLE },
+        title,
         values: all().map(|[_, error]| *error).chain([1e-3, 1.0]).collect(),
         is_log: true,
         least: 1.0,
     };
     let mut plot = Plot::new(Layout::LINES, &x, &y, Some("0"));
-    let place = if in_penumbra { "in the penumbra" } else { "outside the band" };
     for (index, name, points) in &lines {
         plot.line(&format!("line {}", Mark::color(Some(*index))), points);
         for [value, error] in points {
@@ -302,7 +312,7 @@ pub(super) fn qualities(sweep: &SweepReport) -> Option<Svg> {
                 class: "",
                 shape: *index,
                 series: Some(*index),
-                title: format!("{name} at {}: RMSE {} {place}", number(*value), number(*error)),
+                title: format!("{name} at {}: {} {unit} {place}", number(*value), number(*error)),
                 label: String::new(),
             });
         }

@@ -76,7 +76,12 @@ impl Bench<'_> {
 
     /// Those that `sweep` tries: every quality of a technique whose own option it sweeps.
     fn settings_for(&self, sweep: &Sweep) -> Vec<(TechniqueEntry, Setting)> {
-        self.settings(|entry| self.effort.all_settings || sweep.tries_all_of(entry))
+        let of = |entry: &TechniqueEntry| {
+            let tries_all = self.effort.all_settings || sweep.tries_all_of(entry);
+            let settings = entry.all_settings().take(if tries_all { usize::MAX } else { 1 });
+            sweep.told_apart(entry, settings).into_iter().map(|setting| (*entry, setting)).collect::<Vec<_>>()
+        };
+        self.catalog.entries().iter().flat_map(of).collect()
     }
 
     /// A runner for the scene without shadows and one for each setting that can be planned; and of every setting why it cannot.

@@ -98,6 +98,12 @@ impl Totals {
         }
     }
 
+    /// How far the edges of shadows are off on average, in pixels: the area between an edge and the true one over its length. 0
+    /// where nothing is wrong; infinite without an edge.
+    pub fn edge_distance_px(&self) -> f64 {
+        if self.wrong == 0 { 0.0 } else { self.wrong as f64 / self.boundary_pixels as f64 }
+    }
+
     /// The share of compared pixels that are wrong.
     pub fn wrong_share(&self) -> f64 {
         self.wrong as f64 / self.compared.max(1) as f64

@@ -56,8 +56,9 @@ impl<'a> LightMaps<'a> {
     }
 
     /// The flags under which common/shadow_maps asks them.
-    pub fn flags(&self) -> Vec<&'static str> {
+    pub fn flags(&self, light: &LightContext<'_>) -> Vec<&'static str> {
         let mut flags = self.views.flags();
+        flags.extend(light.view.sample_flags());
         flags.extend(self.is_biased.then_some("BIASED"));
         flags
     }

@@ -86,6 +86,7 @@ mod tests {
         let size_px = [640, 480];
         let frustum: ViewFrustum = camera.frustum(size_px);
         View {
+            samples: 1,
             camera,
             size_px,
             frustum,

@@ -62,6 +62,18 @@ fn view_direction_from_local(instance: u32, d: vec3f) -> vec3f {
     return vec3f(dot(i.row_x.xyz, d), dot(i.row_y.xyz, d), dot(i.row_z.xyz, d));
 }
 
+// Where a texel of the images of what is seen lies, in pixels; both as @builtin(position). With EACH_SAMPLE texel
+// (2x + s % 2, 2y + s / 2) is sample s of pixel (x, y), at the standard place of four samples.
+fn place_px(texel: vec2f) -> vec2f {
+#if EACH_SAMPLE
+    let pixel = floor(texel * 0.5);
+    let s = floor(texel) - 2.0 * pixel;
+    return pixel + vec2f(0.375 + 0.5 * s.x - 0.25 * s.y, 0.125 + 0.25 * s.x + 0.5 * s.y);
+#else
+    return texel;
+#endif
+}
+
 // The point in view space that pixel `position` (as @builtin(position)) shows at `depth`.
 fn view_from_pixel(position: vec2f, depth: f32) -> vec3f {
     let ndc = vec2f(position.x / frame.size_px.x * 2.0 - 1.0, 1.0 - position.y / frame.size_px.y * 2.0);

@@ -138,9 +138,9 @@ struct Seen {
     is_there: bool,
 }
 
-fn seen_at(pixel: vec2f) -> Seen {
-    let depth = textureLoad(receiver_depth, vec2u(pixel), 0);
-    return Seen(view_from_pixel(pixel, max(depth, 1e-30)), depth > 0.0);
+fn seen_at(texel: vec2f) -> Seen {
+    let depth = textureLoad(receiver_depth, vec2u(texel), 0);
+    return Seen(view_from_pixel(place_px(texel), max(depth, 1e-30)), depth > 0.0);
 }
 
 // Whether this draw's view is the one that shows a point.
@@ -178,8 +178,8 @@ struct Receiver {
     receives: bool,
 }
 
-fn receiver_of(in: Asking, pixel: vec2f, seen: vec3f) -> Receiver {
-    let plane = unpacked_plane(textureLoad(receiver_planes, vec2u(pixel), 0));
+fn receiver_of(in: Asking, texel: vec2f, seen: vec3f) -> Receiver {
+    let plane = unpacked_plane(textureLoad(receiver_planes, vec2u(texel), 0));
     let p = farther(seen, on_plane(plane, seen).farther);
     let towards = normalize(in.light.xyz - p * in.light.w);
     let height = dot(plane.normal, towards);

@@ -3,6 +3,7 @@
 use glam::{DAffine3, DVec3, Vec2};
 use shadowgraph_engine::geometry::MeshData;
 use shadowgraph_engine::geometry::shapes::{cuboid, plane, quad, torus_knot};
+use shadowgraph_engine::scene::ParamValue;
 
 use super::super::stage::{Stage, at, p, v};
 use super::super::{counts, glass};
@@ -165,6 +166,14 @@ pub(super) fn light_angle() -> Vec<(f64, Stage)> {
         (degrees, stage.half_angle(degrees))
     };
     [0.01, 0.1, 0.27, 1.0, 3.0, 10.0, 30.0].map(step).to_vec()
+}
+
+pub(super) fn texels() -> Vec<(f64, Stage)> {
+    let step = |texels: u32| {
+        let stage = yard(format!("{texels}"), 4.0, DAffine3::IDENTITY).point(LAMP);
+        (f64::from(texels), stage.option("resolution", ParamValue::Number(f64::from(texels))))
+    };
+    [128, 256, 512, 1024, 2048, 4096].map(step).to_vec()
 }
 
 pub(super) fn glass_depth() -> Vec<(f64, Stage)> {
