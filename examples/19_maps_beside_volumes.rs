@@ -1,6 +1,6 @@
 //! Maps beside volumes: how wrong `ShadowMap` and `SilhouetteMap` are against their resolution, and what they cost beside
 //! `ShadowVolumeHard`, in scenes like those of the silhouette maps' paper (004 Table 1: a crowd before a wall, a vehicle, a
-//! castle) and on its curved objects (bowling pins).
+//! castle), on its curved objects (bowling pins) and on three of the scenes that the report times.
 //!
 //! `cargo run --example 19_maps_beside_volumes` prints three tables for each scene. The first: wrong pixels, how far edges are off
 //! on average (wrong pixels over the pixels of the edge), and how far wrong pixels are from the edge. The second: what the paper's
@@ -22,7 +22,7 @@ use shadowgraph::measure::timing::Spread;
 use shadowgraph::measure::{KnownReferences, evaluate_again, measured};
 use shadowgraph::prelude::*;
 
-const SIZE_PX: [u32; 2] = [640, 360];
+const SIZE_PX: [u32; 2] = [1280, 720];
 const ROUNDS: usize = 15;
 const RESOLUTIONS: [u32; 6] = [128, 256, 512, 1024, 2048, 4096];
 
@@ -31,8 +31,15 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 type MakeScene = fn() -> Result<Scene>;
 
 fn main() -> Result<()> {
-    let scenes: [(&str, MakeScene); 4] =
-        [("crowd", crowd), ("vehicle", vehicle), ("castle", castle), ("strike", strike)];
+    let scenes: [(&str, MakeScene); 7] = [
+        ("crowd", crowd),
+        ("vehicle", vehicle),
+        ("castle", castle),
+        ("strike", strike),
+        ("knot13k", || speed("knot13k")),
+        ("boxes1k", || speed("boxes1k")),
+        ("plant", || speed("plant")),
+    ];
     let only = std::env::args().nth(1);
     for (name, build) in
         scenes.into_iter().filter(|(name, _)| only.as_deref().is_none_or(|only| only == *name))
@@ -221,8 +228,10 @@ fn times(scene: &Scene, [map_texels, silhouette_texels]: [Option<u32>; 2]) -> Re
         for (place, (renderer, scene)) in renderers.iter_mut().enumerate() {
             for moved in [false, true] {
                 if moved {
-                    let lamp = scene.find("lamp").ok_or("a scene has no lamp")?;
-                    let node = scene.node_mut(lamp).ok_or("a scene has no lamp")?;
+                    let is_light = |content: &Content| matches!(content, Content::Light(_));
+                    let lamp = scene.nodes().find_map(|(key, node)| is_light(&node.content).then_some(key));
+                    let lamp = lamp.ok_or("a scene has no light")?;
+                    let node = scene.node_mut(lamp).ok_or("a scene has no light")?;
                     let shift = DVec3::X * if round % 2 == 0 { 1e-3 } else { -1e-3 };
                     node.parent_from_local = DAffine3::from_translation(shift) * node.parent_from_local;
                 }
@@ -273,6 +282,23 @@ fn add(scene: &mut Scene, data: MeshData, color: Vec3, place: DVec3) -> Result<(
 
 fn block(min: [f32; 3], max: [f32; 3]) -> MeshData {
     shapes::cuboid(Vec3::from(min), Vec3::from(max))
+}
+
+/// A scene of the report, without its shadow node.
+fn speed(name: &str) -> Result<Scene> {
+    let (_, _, mut scene) = shadowgraph::demo::speed()
+        .into_iter()
+        .find(|(found, ..)| *found == name)
+        .ok_or("there is no such scene")?;
+    let nodes: Vec<_> = scene
+        .nodes()
+        .filter(|(_, node)| matches!(node.content, Content::Shadow(_)))
+        .map(|(key, _)| key)
+        .collect();
+    for key in nodes {
+        scene.node_mut(key).ok_or("a node is gone")?.content = Content::Group;
+    }
+    Ok(scene)
 }
 
 /// Thirty people before a wall, the lamp behind them.
