@@ -18,7 +18,7 @@ pub(crate) struct AssetsArgs {
 
 pub(crate) fn run(args: &AssetsArgs) -> Result<(), Failure> {
     files::make_folder(&args.folder)?;
-    for (name, shows, scene) in demo::all() {
+    for (name, shows, scene) in demo::all().into_iter().chain(demo::mixed()) {
         let path = args.folder.join(format!("{name}.glb"));
         for warning in gltf::save(&scene, &path)? {
             note!("{}: {warning}", path.display());

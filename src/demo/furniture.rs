@@ -205,7 +205,7 @@ pub(super) fn bowl(radius: f32) -> MeshData {
 }
 
 /// A profile with its corners cut twice (Chaikin), ends kept.
-fn smoothed(profile: &[Vec2]) -> Vec<Vec2> {
+pub(super) fn smoothed(profile: &[Vec2]) -> Vec<Vec2> {
     let cut = |points: Vec<Vec2>| {
         let mut finer = vec![points[0]];
         for pair in points.windows(2) {

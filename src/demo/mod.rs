@@ -4,6 +4,7 @@
 //! closed and non-manifold casters the way real models do. Intensities are physical (lux and candela) and chosen
 //! relative to one another; the renderer sets the exposure.
 
+mod chapel;
 mod columns;
 mod foliage;
 mod furniture;
@@ -12,7 +13,9 @@ mod plant;
 mod room;
 mod set;
 pub(crate) mod speed;
+mod still_life;
 mod tentacles;
+mod valley;
 
 use shadowgraph_engine::scene::Scene;
 
@@ -34,6 +37,27 @@ pub fn all() -> Vec<(&'static str, &'static str, Scene)> {
             "tentacles",
             "skinned tentacles that toss a ball around an opening bud (--time)",
             tentacles::tentacles(),
+        ),
+    ]
+}
+
+/// Scenes in which several kinds of shadow nodes work, each where it is at home: file stem, what it shows, the scene.
+pub fn mixed() -> Vec<(&'static str, &'static str, Scene)> {
+    vec![
+        (
+            "chapel",
+            "a chapel: sun through coloured glass (hard and transparent nodes on one light), candles with a size",
+            chapel::chapel(),
+        ),
+        (
+            "still-life",
+            "glass and fruit on a table: planar and transparent nodes on one light, a soft window, a silhouette map",
+            still_life::still_life(),
+        ),
+        (
+            "valley",
+            "a valley through a day (--time): cascades over the land, exact shadows in the hamlet, a lantern",
+            valley::valley(),
         ),
     ]
 }
@@ -62,6 +86,29 @@ mod tests {
             }
             assert!(snapshot.shadow_nodes.iter().all(|node| node.shadow.technique == "ShadowVolumeHard"));
         }
+    }
+
+    /// Together they have every kind of node, and some light that several nodes share.
+    #[test]
+    fn mixed_scenes_have_every_kind_of_node() {
+        let mut techniques = std::collections::BTreeSet::new();
+        let mut shared = 0;
+        for (stem, shows, scene) in super::mixed() {
+            let snapshot = scene.snapshot().expect("demo scenes pose");
+            let triangles: usize = snapshot.instances.iter().map(|i| i.mesh.triangle_count()).sum();
+            assert!(!shows.is_empty() && (1_000..90_000).contains(&triangles), "{stem}: {triangles}");
+            assert!(snapshot.cameras.iter().any(|camera| camera.name == "main"), "{stem}");
+            techniques.extend(snapshot.shadow_nodes.iter().map(|node| node.shadow.technique.clone()));
+            for light in 0..snapshot.lights.len() {
+                let claims = snapshot.shadow_nodes.iter().filter(|node| node.lights.contains(&light)).count();
+                assert!(claims > 0, "{stem}: {}", snapshot.lights[light].name);
+                shared += usize::from(claims > 1);
+            }
+        }
+        let known: std::collections::BTreeSet<_> =
+            shadowgraph_nodes::catalog().entries().iter().map(|entry| entry.type_name.to_owned()).collect();
+        assert_eq!(techniques, known);
+        assert!(shared >= 3, "{shared} lights are shared");
     }
 
     #[test]

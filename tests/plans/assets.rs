@@ -17,7 +17,10 @@ fn outline(scene: &Scene) -> String {
         text += &format!("{} {:.4} {:?}\n", light.name, light.position, light.light.kind);
     }
     for node in &snapshot.shadow_nodes {
-        text += &format!("{} {} {:?} {:?}\n", node.name, node.shadow.technique, node.lights, node.casters);
+        text += &format!(
+            "{} {} {:?} {:?} {:?} {:?}\n",
+            node.name, node.shadow.technique, node.shadow.params, node.lights, node.casters, node.receivers
+        );
     }
     text
 }
@@ -25,9 +28,7 @@ fn outline(scene: &Scene) -> String {
 #[test]
 fn committed_scenes_are_what_the_generator_makes() {
     let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
-    let scenes = shadowgraph::demo::all();
-    assert!(scenes.len() >= 4);
-    for (name, _, scene) in scenes {
+    for (name, _, scene) in shadowgraph::demo::all().into_iter().chain(shadowgraph::demo::mixed()) {
         let loaded = load(assets.join(format!("{name}.glb"))).unwrap();
         assert_eq!(loaded.warnings, Vec::<String>::new(), "{name}");
         assert_eq!(outline(&loaded.scene), outline(&scene), "{name}: run `cargo run -- assets assets`");
