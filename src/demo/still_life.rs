@@ -42,8 +42,11 @@ pub(super) fn still_life() -> Scene {
         DVec3::new(0.02, 0.1, 0.06),
     );
     let number = ParamValue::Number;
-    let planar =
-        ShadowNode::new("SoftShadow").with_param("radius", number(0.07)).with_param("samples", number(64.0));
+    let planar = ShadowNode::new("SoftShadow")
+        .with_param("radius", number(0.07))
+        .with_param("samples", number(128.0))
+        .with_param("mode", ParamValue::Text("texture".into()))
+        .with_param("resolution", number(2048.0));
     scene.add_shadow(
         "key on the table",
         planar.with_lights([key]).with_casters([things]).with_receivers(planes),

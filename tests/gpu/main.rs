@@ -25,6 +25,7 @@ mod layers;
 mod many_lights;
 mod maps;
 mod materials;
+mod mixed;
 mod models;
 mod outside_technique;
 mod plan_execution;

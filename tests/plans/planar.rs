@@ -206,3 +206,18 @@ fn a_saved_node_loads_back_the_same() {
     assert_eq!(SoftShadow::from_params(&shadow.params), Ok(node));
     assert_eq!(shadow.receivers, Scope::Nodes(vec![find(&loaded, "floor")]));
 }
+
+/// On layers of glass there is no plane that receives: the node draws its shadows once.
+#[test]
+fn nothing_is_drawn_for_layers_on_which_nothing_receives() {
+    let (_, _, scene) =
+        shadowgraph::demo::mixed().into_iter().find(|(name, ..)| *name == "still-life").unwrap();
+    let camera = scene.snapshot().unwrap().cameras[0].clone();
+    let plan = plan(&scene, &FrameRequest::new(camera, [320, 180]));
+    let passes = |part: &str| plan.passes.iter().filter(|pass| pass.name.contains(part)).count();
+    assert!(plan.layers > 2 && passes("from behind") > 10, "{plan}");
+    assert!(passes("on table top from key") > 0, "{plan}");
+    let on_layers =
+        plan.passes.iter().filter(|pass| pass.name.contains("table top") && pass.name.contains("layer"));
+    assert_eq!(on_layers.count(), 0, "{plan}");
+}

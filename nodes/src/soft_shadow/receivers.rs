@@ -103,6 +103,10 @@ impl Receiver {
                 left_out.push((instance, "lets light through"));
                 continue;
             }
+            // A layer shows what is transparent, and nothing of this.
+            if light.layer().is_some() && instance.materials.iter().all(|material| material.is_opaque()) {
+                continue;
+            }
             if !light.view.frustum.may_see(&instance.world_bounds) {
                 left_out.push((instance, "outside the view"));
                 continue;
