@@ -21,11 +21,28 @@ struct MapCorner {
 @group(1) @binding(3) var image: texture_2d<f32>;
 #endif
 #else
+#if CUT
+// A corner of a piece of a triangle that is larger than the view.
+struct CutCorner {
+    clip: vec4f,
+    // Of the plane that the triangle lies in: what depth changes by from texel to texel, and depth in the middle of the map.
+    slope: vec2f,
+    depth: f32,
+    // From the middle of the map to its sides.
+    half_texels: f32,
+}
+
+@group(1) @binding(4) var<storage, read> cut_corners: array<CutCorner>;
+#else
 #import common/positions
 #endif
+#endif
 
+#if CUT
+#else
 // One for each caster and view.
 @group(1) @binding(1) var<storage, read> clip_from_caster: array<mat4x4f>;
+#endif
 
 struct Varyings {
     @builtin(position) clip: vec4f,
@@ -34,6 +51,10 @@ struct Varyings {
     @location(1) alpha: f32,
     @location(2) @interpolate(flat, first) cutoff: f32,
     @location(3) @interpolate(flat, first) reading: u32,
+#endif
+#if CUT
+    // Slope, depth in the middle, and half the texels along a side.
+    @location(4) @interpolate(flat, first) plane: vec4f,
 #endif
 }
 
@@ -48,7 +69,13 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) record: u3
     out.cutoff = corner.cutoff;
     out.reading = corner.reading;
 #else
+#if CUT
+    let corner = cut_corners[index];
+    out.clip = corner.clip;
+    out.plane = vec4f(corner.slope, corner.depth, corner.half_texels);
+#else
     out.clip = clip_from_caster[record] * vec4f(local_position(index), 1.0);
+#endif
 #endif
     return out;
 }
@@ -85,3 +112,29 @@ fn holes(in: Varyings) {
         discard;
     }
 }
+
+#if CUT
+fn depth_on_plane(in: Varyings) -> f32 {
+    return saturate(in.plane.z + dot(in.plane.xy, in.clip.xy - in.plane.w));
+}
+
+struct OfPiece {
+    @location(0) slope: vec4f,
+    @builtin(frag_depth) depth: f32,
+}
+
+@fragment
+fn slope_of_piece(in: Varyings) -> OfPiece {
+    let depth = depth_on_plane(in);
+#if PERSPECTIVE
+    return OfPiece(vec4f(in.plane.xy / max(depth, 1e-30), 0.0, 0.0), depth);
+#else
+    return OfPiece(vec4f(in.plane.xy, 0.0, 0.0), depth);
+#endif
+}
+
+@fragment
+fn depth_of_piece(in: Varyings) -> @builtin(frag_depth) f32 {
+    return depth_on_plane(in);
+}
+#endif

@@ -1,6 +1,7 @@
 //! Maps of what a light sees: no surface shadows itself, no shadow comes off, at any angle, for every kind of light and at every
 //! resolution, measured in texels; the exercises of the textbook; what is kept, and what a moving eye changes.
 
+mod large;
 mod texels;
 
 use std::sync::Arc;

@@ -137,6 +137,8 @@ fn shadow_maps() {
     }
     let (structure, rust) = shadowgraph_nodes::common::map_casters::corner_layout();
     assert_same_with("shadow_map_casters", &["MASKED"], structure, rust);
+    let (structure, rust) = shadowgraph_nodes::common::cut_casters::cut_layout();
+    assert_same_with("shadow_map_casters", &["CUT"], structure, rust);
 }
 
 #[test]
@@ -150,6 +152,7 @@ fn silhouettes() {
 fn every_structure_bound_as_data_is_compared() {
     let compared = [
         "Class",
+        "CutCorner",
         "Edge",
         "Frame",
         "Instance",

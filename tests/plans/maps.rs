@@ -60,7 +60,7 @@ fn nothing_is_drawn_that_cannot_matter() {
     let map = plan.passes.iter().find(|pass| pass.name == "map of lamp").unwrap();
     assert_eq!(
         map.draws.iter().map(|draw| draw.name.as_str()).collect::<Vec<_>>(),
-        ["crate", "rug"],
+        ["crate, rug, cut to the view"],
         "{plan}"
     );
     assert!(names(&plan).iter().all(|name| !name.contains("aside")), "{plan}");

@@ -9,6 +9,8 @@ use shadowgraph_engine::scene::SurfaceFunction;
 const EXCLUSIVE: &[(&str, [&str; 2])] = &[
     ("surface_factor", ["COUNTS", "VISIBILITY"]),
     ("layer_images", ["COUNTS", "VISIBILITY"]),
+    ("sample_images", ["COUNTS", "VISIBILITY"]),
+    ("shadow_map_casters", ["CUT", "MASKED"]),
     ("surface_shade", ["FARTHER", "MULTISAMPLED"]),
 ];
 
@@ -23,15 +25,27 @@ const USED: &[(&str, &[&str], &[&str])] = &[
     ("penumbra_wedge", &[], &["vertex", "fullscreen_vertex", "add_share", "darken"]),
     ("per_receiver", &["CASTERS", "CLUSTERS", "ONE_CASTER"], &["soft_vertex", "mark", "per_receiver"]),
     ("resolve_mask", &[], &["fullscreen_vertex", "mark", "darken"]),
-    ("sample_images", &["COUNTS"], &["fullscreen_vertex", "triangle", "factor"]),
-    ("shadow_map", &["BIASED", "CASCADES", "PERSPECTIVE", "POINT"], &["asking", "darken"]),
-    ("shadow_map_casters", &["BASE_COLOR_TEXTURE", "MASKED", "PERSPECTIVE"], &["vertex", "slope", "holes"]),
+    (
+        "sample_images",
+        &["COUNTS", "OWN_SHADOW", "VISIBILITY"],
+        &["fullscreen_vertex", "triangle", "plane", "depth", "factor", "darken if COUNTS"],
+    ),
+    ("shadow_map", &["BIASED", "CASCADES", "EACH_SAMPLE", "PERSPECTIVE", "POINT"], &["asking", "darken"]),
+    (
+        "shadow_map_casters",
+        &["BASE_COLOR_TEXTURE", "CUT", "MASKED", "PERSPECTIVE"],
+        &["vertex", "slope", "holes", "slope_of_piece if CUT", "depth_of_piece if CUT"],
+    ),
     (
         "shadow_volume_hard",
         &[],
         &["vertex", "fullscreen_vertex", "count", "count_front", "count_back", "darken_counted"],
     ),
-    ("silhouette_map", &["BIASED", "BYTE", "PERSPECTIVE", "POINT"], &["asking", "darken", "show_points"]),
+    (
+        "silhouette_map",
+        &["BIASED", "BYTE", "EACH_SAMPLE", "PERSPECTIVE", "POINT"],
+        &["asking", "darken", "show_points"],
+    ),
     ("silhouette_points", &["BYTE"], &["vertex", "store"]),
     (
         "soft_shadow",
@@ -57,7 +71,13 @@ const USED: &[(&str, &[&str], &[&str])] = &[
     (
         "surface_measure",
         &["HALVES", "MASKED", "PLANES"],
-        &["vertex", "visible_triangle", "receiver_plane if PLANES", "triangle_and_plane if PLANES"],
+        &[
+            "vertex",
+            "visible_triangle",
+            "plane_halves if PLANES",
+            "receiver_plane if PLANES",
+            "triangle_and_plane if PLANES",
+        ],
     ),
     ("surface_peel", &["BASE_COLOR_TEXTURE", "BEHIND", "SECOND_UV"], &["vertex", "peel"]),
     ("surface_shade", SHADE_FLAGS, &["vertex", "opaque", "blended", "shine_through", "masked_depth"]),

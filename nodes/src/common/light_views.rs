@@ -13,6 +13,8 @@ use shadowgraph_engine::math::{Aabb, Plane};
 use shadowgraph_engine::scene::{LightKind, LightSnapshot};
 use shadowgraph_engine::shadow::View;
 
+use super::boxes::{cut, faces_of};
+
 /// Windows begin on multiples of this share of themselves.
 const STEPS: u32 = 32;
 /// Windows have sizes of this many steps for each power of two.
@@ -20,9 +22,9 @@ const SIZES: f64 = 8.0;
 /// A window is at least this share of its other side.
 const LEAST_SHARE: f64 = 1e-4;
 /// And at least this wide, a metre before the light.
-const LEAST_WIDTH: f64 = 1e-9;
+const LEAST_WIDTH: f64 = 1e-13;
 /// Nothing is nearer to a light, relative to how far away casters are: there depth would leave the range of f32.
-const NEAREST: f64 = 1e-7;
+const NEAREST: f64 = 1e-10;
 /// Of so many steps along each axis are the directions in which a point light may look.
 const DIRECTIONS: f64 = 4.0;
 /// Within so much of its direction: then a texel is no larger than it would be in one of six views.
@@ -62,6 +64,15 @@ pub struct LightView {
     pub depth: Depth,
 }
 
+/// Where a caster is, and where its shadows may fall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CasterBox {
+    /// The box around all of it.
+    pub whole: Aabb,
+    /// The box around what its shadows may fall on, where that is known.
+    pub shadows: Option<Aabb>,
+}
+
 /// What a view is to be good for.
 #[derive(Clone, Copy, Debug)]
 pub struct MapSize {
@@ -89,6 +100,11 @@ impl LightView {
         let mut bits = [0; 18];
         bits.iter_mut().zip(numbers).for_each(|(bits, number)| *bits = number.to_bits());
         bits
+    }
+
+    /// Whether it is a lamp's.
+    pub fn is_perspective(&self) -> bool {
+        matches!(self.depth, Depth::Perspective { .. })
     }
 
     /// From the view's axes to clip space.
@@ -209,10 +225,11 @@ pub fn axes_towards(towards: DVec3) -> DMat3 {
 }
 
 /// The view of a direction in which `casters` may shadow what is at `receivers`; both along its axes, boxes of the former and
-/// points that span the latter. `None` where nothing can.
+/// points that span the latter. `top_within` says how high a caster reaches within a window. `None` where nothing can.
 pub fn directional_view(
     light_from_world: DMat3,
-    casters: &[Aabb],
+    casters: &[CasterBox],
+    top_within: impl Fn(usize, &LightView) -> f64,
     receivers: &[DVec3],
     size: MapSize,
 ) -> Option<LightView> {
@@ -220,12 +237,22 @@ pub fn directional_view(
     if around.is_empty() {
         return None;
     }
-    let matter = |caster: &&Aabb| {
+    let matter = |caster: &Aabb| {
         let meets =
             |axis: usize| caster.min[axis] <= around.max[axis] && caster.max[axis] >= around.min[axis];
         meets(0) && meets(1) && caster.max.z > around.min.z
     };
-    let wanted = casters.iter().filter(matter).fold(Aabb::EMPTY, |all, caster| all.union(caster));
+    // Of a flat caster what is before something.
+    let before = |caster: &CasterBox| {
+        let Aabb { mut min, mut max } = caster.whole;
+        if let Some(shadows) = caster.shadows {
+            (min.x, min.y) = (min.x.max(shadows.min.x), min.y.max(shadows.min.y));
+            (max.x, max.y) = (max.x.min(shadows.max.x), max.y.min(shadows.max.y));
+        }
+        Aabb { min, max }
+    };
+    let wanted = casters.iter().map(before).filter(|bounds| !bounds.is_empty() && matter(bounds));
+    let wanted = wanted.fold(Aabb::EMPTY, |all, caster| all.union(&caster));
     if wanted.is_empty() {
         return None;
     }
@@ -233,21 +260,28 @@ pub fn directional_view(
     let least = 1e-9 * (around.radius() + around.center().length()).max(f64::MIN_POSITIVE);
     let window = window(low.truncate(), high.truncate(), least, size);
     // What lies in the window's margins may cast too.
-    let overlaps = |caster: &&Aabb| {
+    let overlaps = |caster: &Aabb| {
         caster.min.truncate().cmple(window[1]).all() && caster.max.truncate().cmpge(window[0]).all()
     };
-    let top_m = casters.iter().filter(overlaps).map(|caster| caster.max.z).fold(wanted.max.z, f64::max);
-    let rounding = MapSize { margin: 0.0, texels: STEPS };
-    let (end_m, range_m) = snapped(around.min.z - least, top_m + least, rounding);
-    let depth = Depth::Orthographic { end_m, range_m };
-    Some(LightView { origin: DVec3::ZERO, light_from_world, window, depth })
+    let ending_at = |top_m: f64| {
+        let rounding = MapSize { margin: 0.0, texels: STEPS };
+        let (end_m, range_m) = snapped(around.min.z - least, top_m + least, rounding);
+        let depth = Depth::Orthographic { end_m, range_m };
+        LightView { origin: DVec3::ZERO, light_from_world, window, depth }
+    };
+    let overlapping = || casters.iter().enumerate().filter(|(_, caster)| overlaps(&caster.whole));
+    let highest_m = overlapping().map(|(_, caster)| caster.whole.max.z).fold(wanted.max.z, f64::max);
+    // Depth has no digits to spare for what is high above another place.
+    let whole = ending_at(highest_m);
+    let top_m = overlapping().map(|(number, _)| top_within(number, &whole)).fold(around.min.z, f64::max);
+    Some(ending_at(top_m.max(around.min.z + least)))
 }
 
 /// The six views of a point light, in the order of the axes (+x, −x, +y, −y, +z, −z): `None` where nothing casts. `casters` are
 /// boxes in the world; what lies farther along a view than all of `receivers` casts nothing there.
 pub fn point_views(
     origin: DVec3,
-    casters: &[Aabb],
+    casters: &[CasterBox],
     receivers: &Aabb,
     size: MapSize,
 ) -> [Option<LightView>; 6] {
@@ -264,18 +298,20 @@ pub fn point_views(
 /// directions, so that it does not turn with every caster that moves a little.
 pub fn narrow_view(
     origin: DVec3,
-    casters: &[Aabb],
+    casters: &[CasterBox],
     receivers: &Aabb,
     size: MapSize,
 ) -> Option<Option<LightView>> {
-    let all = casters.iter().fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
+    // Of a flat caster what it may shadow has to be seen, and that is behind it.
+    let boxes: Vec<Aabb> = casters.iter().map(|caster| caster.shadows.unwrap_or(caster.whole)).collect();
+    let all = boxes.iter().fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
     let towards = (all.center() - origin).normalize_or_zero();
     let forward = (towards * DIRECTIONS).round().normalize_or_zero();
-    let corners = casters.iter().flat_map(|bounds| bounds.corners());
+    let corners = boxes.iter().flat_map(|bounds| bounds.corners());
     let widest = corners.map(|corner| (corner - origin).normalize_or_zero().dot(forward));
     // What a box holds is within the cone about its corners, as long as that is less than half of all directions.
     let cosine = widest.fold(1.0_f64, f64::min);
-    let is_narrow = cosine > NARROW_COSINE && casters.iter().all(|bounds| !bounds.contains(origin));
+    let is_narrow = cosine > NARROW_COSINE && boxes.iter().all(|bounds| !bounds.contains(origin));
     is_narrow.then(|| {
         let opening = cosine.acos().tan() + 2.0 * size.margin / f64::from(size.texels);
         perspective_view(origin, forward, opening, (casters, receivers), size)
@@ -285,7 +321,7 @@ pub fn narrow_view(
 /// The views of a spot: one, or those of a point light where it opens too wide for that.
 pub fn spot_views(
     light: &LightSnapshot,
-    casters: &[Aabb],
+    casters: &[CasterBox],
     receivers: &Aabb,
     size: MapSize,
 ) -> Vec<Option<LightView>> {
@@ -310,7 +346,7 @@ fn perspective_view(
     origin: DVec3,
     forward: DVec3,
     widest: f64,
-    (casters, receivers): (&[Aabb], &Aabb),
+    (casters, receivers): (&[CasterBox], &Aabb),
     size: MapSize,
 ) -> Option<LightView> {
     let light_from_world = axes_towards(-forward);
@@ -319,18 +355,25 @@ fn perspective_view(
     let (low, high) = (DVec2::splat(-widest), DVec2::splat(widest));
     let (mut least, mut most) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     let (mut nearest_m, mut end_m) = (f64::INFINITY, 0.0_f64);
-    for bounds in casters {
-        let corners = local(bounds);
+    for CasterBox { whole, shadows } in casters {
+        let corners = local(whole);
         let from_m = corners.iter().map(|p| -p.z).fold(f64::INFINITY, f64::min);
         if from_m > farthest_m {
             continue;
         }
         let Some(([from, to], seen_m)) = seen_window(&corners, low, high) else { continue };
-        (least, most) = (least.min(from), most.max(to));
+        // Of a flat caster what is before something.
+        let seen = match shadows.map(|bounds| seen_window(&local(&bounds), low, high)) {
+            None => Some([from, to]),
+            Some(behind) => behind.map(|([least, most], _)| [from.max(least), to.min(most)]),
+        };
+        if let Some([from, to]) = seen.filter(|[from, to]| from.cmple(*to).all()) {
+            (least, most) = (least.min(from), most.max(to));
+        }
         nearest_m = nearest_m.min(seen_m);
         end_m = corners.iter().map(|p| p.length()).fold(end_m, f64::max);
     }
-    if end_m == 0.0 {
+    if end_m == 0.0 || least.cmpgt(most).any() {
         return None;
     }
     // A little more than there is between them.
@@ -381,42 +424,4 @@ pub fn seen_range(view: &View, bounds: &Aabb) -> Option<[f64; 2]> {
     let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
     let farthest = distances.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     (nearest <= farthest).then_some([nearest, farthest])
-}
-
-/// The faces of a box with these corners.
-fn faces_of(corners: &[DVec3; 8]) -> Vec<Vec<DVec3>> {
-    let faces = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
-    faces.map(|face| face.map(|corner| corners[corner]).to_vec()).to_vec()
-}
-
-/// The faces of a convex body on the positive side of a plane, with the one that the cut makes.
-fn cut(faces: &[Vec<DVec3>], plane: &Plane) -> Vec<Vec<DVec3>> {
-    let mut kept = Vec::new();
-    let mut lid: Vec<DVec3> = Vec::new();
-    for face in faces {
-        let mut outline = Vec::with_capacity(face.len() + 1);
-        for (number, &from) in face.iter().enumerate() {
-            let to = face[(number + 1) % face.len()];
-            let (height, next) = (plane.height(from), plane.height(to));
-            if height >= 0.0 {
-                outline.push(from);
-            }
-            if (height >= 0.0) != (next >= 0.0) {
-                let crossing = from + (to - from) * (height / (height - next));
-                outline.push(crossing);
-                lid.push(crossing);
-            }
-        }
-        if !outline.is_empty() {
-            kept.push(outline);
-        }
-    }
-    if lid.len() > 2 {
-        let middle = lid.iter().sum::<DVec3>() / lid.len() as f64;
-        let (x, y) = plane.normal.any_orthonormal_pair();
-        let angle = |p: &DVec3| (*p - middle).dot(y).atan2((*p - middle).dot(x));
-        lid.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
-        kept.push(lid);
-    }
-    kept
 }

@@ -3,20 +3,22 @@
 //! Facing is decided once per triangle, in f64, as for shadow volumes; triangles the light sees edge-on are not drawn. Masked
 //! parts are drawn with the corners of their own, and holes are looked up by the function that gives the visible surface its
 //! holes. A flat caster before which everything lies that receives (a floor, usually) shadows nothing and is left out, so that
-//! maps need not show it.
+//! maps need not show it. Casters with triangles larger than a view are cut to it: see [`super::cut_casters`].
 
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable, cast_slice};
-use glam::{DAffine3, DMat3, DVec3, DVec4};
-use shadowgraph_engine::math::{Aabb, Plane};
+use glam::{DAffine3, DMat3, DVec4};
+use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::plan::{
     BlendState, BufferDesc, CompareFunction, DrawState, Resource, Shader, ShaderError,
 };
 use shadowgraph_engine::scene::{ImageKey, Instance, Material};
 use shadowgraph_engine::shadow::{Binding, Draw, Geometry, LightContext, PassList, hash_of};
 
-use super::light_views::LightView;
+use super::cut_casters::{CutCorner, is_large, pieces_in};
+use super::flat_casters::{Behind, behind};
+use super::light_views::{CasterBox, LightView};
 use super::mask_vertices::MaskVertices;
 use super::ray_candidates::Layout;
 use super::volume::{CastShape, CasterFacing, Half};
@@ -59,6 +61,8 @@ pub struct MapCaster<'a> {
     pub instance: &'a Instance,
     /// Which of its triangles are drawn.
     pub drawn: Drawn,
+    /// The box around what its shadows may fall on, where that is known: it is flat, and they fall on what is behind it.
+    pub shadows: Option<Aabb>,
 }
 
 /// The casters of a light that can shadow something anywhere in the scene; of those left out, why.
@@ -83,11 +87,17 @@ pub fn casters_of<'a>(
         }
         if !light.light().may_reach(&instance.world_bounds) {
             beyond.push(instance.name.as_str());
-        } else if has_nothing_behind(light, (index, instance), &receivers) {
-            flat.push(instance.name.as_str());
-        } else {
-            kept.push(MapCaster { index, instance, drawn: drawn(instance) });
+            continue;
         }
+        let shadows = match behind(light, (index, instance), &receivers) {
+            Behind::Nothing => {
+                flat.push(instance.name.as_str());
+                continue;
+            }
+            Behind::Within(bounds) => Some(bounds),
+            Behind::Anything => None,
+        };
+        kept.push(MapCaster { index, instance, drawn: drawn(instance), shadows });
     }
     for (names, reason) in [
         (flat, "flat, and nothing that receives lies behind it"),
@@ -101,47 +111,6 @@ pub fn casters_of<'a>(
     kept
 }
 
-/// Whether a caster is flat and everything that receives lies on the light's side of it, or in its plane.
-fn has_nothing_behind(
-    light: &LightContext<'_>,
-    (index, instance): (usize, &Instance),
-    receivers: &[(usize, Aabb)],
-) -> bool {
-    let plane = light.cache.get_or_compute("flat caster", instance.pose_key, || plane_of(instance));
-    let Some(plane) = *plane else { return false };
-    let position = light.light().position;
-    let height = plane.normal.dot(position.truncate()) - plane.offset * position.w;
-    let lost = lost_of(&instance.world_bounds);
-    if height.abs() <= lost * position.w {
-        return false;
-    }
-    let side = if height > 0.0 { plane } else { Plane { normal: -plane.normal, offset: -plane.offset } };
-    receivers.iter().filter(|(receiver, _)| *receiver != index).all(|(_, bounds)| {
-        let lost = lost + lost_of(bounds);
-        bounds.corners().iter().all(|corner| side.height(*corner) >= -lost)
-    })
-}
-
-/// How far off a plane something within `bounds` may be and yet lie in it: what f32 loses of its size, and f64 of its place.
-fn lost_of(bounds: &Aabb) -> f64 {
-    1e-7 * bounds.radius() + 1e-14 * bounds.center().length()
-}
-
-/// The plane in which all of an instance lies, if there is one.
-fn plane_of(instance: &Instance) -> Option<Plane> {
-    let mesh = &instance.mesh;
-    let largest = (0..mesh.triangle_count())
-        .map(|triangle| {
-            let [a, b, c] = instance.world_triangle(triangle);
-            (a, (b - a).cross(c - a))
-        })
-        .max_by(|(_, a), (_, b)| a.length_squared().total_cmp(&b.length_squared()))?;
-    let plane = Plane::through(largest.0, largest.1);
-    let lost = lost_of(&instance.world_bounds);
-    let lies_in = |vertex: u32| plane.height(instance.world_position(vertex)).abs() <= lost;
-    (plane.normal != DVec3::ZERO && (0..mesh.positions().len() as u32).all(lies_in)).then_some(plane)
-}
-
 /// The box around a caster along the axes of a direction.
 pub fn bounds_along(light: &LightContext<'_>, instance: &Instance, axes: &DMat3) -> Aabb {
     let bits = axes.to_cols_array().map(f64::to_bits);
@@ -149,6 +118,13 @@ pub fn bounds_along(light: &LightContext<'_>, instance: &Instance, axes: &DMat3)
         let vertices = 0..instance.mesh.positions().len() as u32;
         Aabb::from_points(vertices.map(|vertex| *axes * instance.world_position(vertex)))
     })
+}
+
+impl MapCaster<'_> {
+    /// Where it is, and what it may shadow.
+    pub fn bounds(&self) -> CasterBox {
+        CasterBox { whole: self.instance.world_bounds, shadows: self.shadows }
+    }
 }
 
 /// Where the draws of casters find their matrices.
@@ -240,14 +216,17 @@ impl<'a> CasterBuffers<'a> {
     /// What is wrong with a shader.
     pub fn draws(
         &self,
-        view: &LightView,
+        (light, out): (&LightContext<'_>, &mut PassList<'_>),
+        (view, texels): (&LightView, u32),
         with_slopes: bool,
         matrices: &mut Vec<[f32; 16]>,
     ) -> Result<Vec<Draw>, ShaderError> {
         let mut draws = Vec::new();
+        draws.extend(self.cut_draw((light, out), (view, texels), with_slopes)?);
         for part in self.parts.iter().filter(|part| part.count > 0) {
             let MapCaster { index, instance, .. } = &self.casters[part.caster];
-            if !view.may_show(&instance.world_bounds) {
+            let is_cut = part.masked.is_none() && is_large(light, instance, view);
+            if is_cut || !view.may_show(&instance.world_bounds) {
                 continue;
             }
             let world_from_local = match part.masked {
@@ -279,9 +258,65 @@ impl<'a> CasterBuffers<'a> {
         Ok(draws)
     }
 
-    /// How far casters reach from their own middles, at most: what rounding loses of their positions goes by that.
-    pub fn largest_m(&self) -> f64 {
-        self.casters.iter().map(|caster| caster.instance.world_bounds.radius()).fold(0.0, f64::max)
+    /// The draw of all casters that are cut to a view, if there are any.
+    fn cut_draw(
+        &self,
+        (light, out): (&LightContext<'_>, &mut PassList<'_>),
+        (view, texels): (&LightView, u32),
+        with_slopes: bool,
+    ) -> Result<Option<Draw>, ShaderError> {
+        let is_cut = |caster: &&MapCaster<'_>| {
+            let instance = caster.instance;
+            view.may_show(&instance.world_bounds) && is_large(light, instance, view)
+        };
+        let large: Vec<&MapCaster<'_>> = self.casters.iter().filter(is_cut).collect();
+        let key = hash_of(("cut casters", self.key, view.bits(), texels));
+        let bytes = light.cache.get_or_compute("cut casters", key, || {
+            let pieces = large.iter().flat_map(|caster| {
+                let triangles = triangles_of(caster, light.light().position, None);
+                pieces_in(view, texels, caster.instance, &triangles)
+            });
+            cast_slice(&pieces.collect::<Vec<CutCorner>>()).to_vec()
+        });
+        let vertices = (bytes.len() / size_of::<CutCorner>()) as u32;
+        if vertices == 0 {
+            return Ok(None);
+        }
+        let (label, reason) = (
+            format!("cut casters of {}", light.light().name),
+            format!("{} pieces of casters with triangles larger than the view", vertices / 3),
+        );
+        let corners = out.buffer(BufferDesc::storage(&label, key, bytes, &reason));
+        let mut flags = vec!["CUT"];
+        flags.extend(view.is_perspective().then_some("PERSPECTIVE"));
+        let fragment = if with_slopes { "slope_of_piece" } else { "depth_of_piece" };
+        let shader = Shader::composed("shadow_map_casters", &flags, "vertex", Some(fragment))?;
+        let geometry = Geometry::Procedural { shader, vertices, instances: 1 };
+        let targets = if with_slopes { vec![Some(BlendState::REPLACE)] } else { vec![] };
+        let mut state = DrawState::new(CompareFunction::Greater, targets);
+        state.depth_write = true;
+        let draw = Draw::new(names_of(&large), geometry, state);
+        Ok(Some(draw.reading(vec![(4, Binding::Storage(corners))])))
+    }
+
+    /// How far casters that are not cut to a view reach from their own middles, at most: what rounding loses of their positions
+    /// goes by that.
+    pub fn largest_m(&self, light: &LightContext<'_>, view: &LightView) -> f64 {
+        let parts = self.parts.iter().filter(|part| {
+            part.count > 0
+                && (part.masked.is_some() || !is_large(light, self.casters[part.caster].instance, view))
+        });
+        parts.map(|part| self.casters[part.caster].instance.world_bounds.radius()).fold(0.0, f64::max)
+    }
+}
+
+/// What is cut, as the plan's text has it.
+fn names_of(casters: &[&MapCaster<'_>]) -> String {
+    const NAMED: usize = 3;
+    let names: Vec<&str> = casters.iter().take(NAMED).map(|caster| caster.instance.name.as_str()).collect();
+    match casters.len().checked_sub(NAMED + 1) {
+        None => format!("{}, cut to the view", names.join(", ")),
+        Some(rest) => format!("{} and {} more, cut to the view", names.join(", "), rest + 1),
     }
 }
 

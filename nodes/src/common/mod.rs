@@ -1,8 +1,11 @@
 //! What several techniques share: which casters matter, how volumes end, their vertices and draws, and how many layers they count.
 
 pub mod beside_light;
+mod boxes;
 pub mod culling;
+pub mod cut_casters;
 pub mod extrusion;
+pub mod flat_casters;
 pub mod layer_groups;
 pub mod light_grid_lists;
 pub mod light_maps;

@@ -12,10 +12,11 @@ use shadowgraph_engine::shadow::{
     Binding, ColorTarget, DepthTarget, Draw, Geometry, LightContext, Pass, PassList, ShadowError, hash_of,
 };
 
+use super::cut_casters::top_m;
 use super::extrusion::end_in_view;
 use super::light_views::{
-    Depth, LightView, MapSize, axes_towards, directional_view, narrow_view, point_views, seen_corners,
-    seen_range, splits, spot_opening, spot_views,
+    CasterBox, Depth, LightView, MapSize, axes_towards, directional_view, narrow_view, point_views,
+    seen_corners, seen_range, splits, spot_opening, spot_views,
 };
 use super::map_casters::{CasterBuffers, MATRICES, MapCaster, bounds_along};
 use super::ray_candidates::Layout;
@@ -121,7 +122,7 @@ impl MapViews {
         if position.w == 0.0 {
             return Self::directional(light, casters, size, cascades);
         }
-        let boxes: Vec<Aabb> = casters.iter().map(|caster| caster.instance.world_bounds).collect();
+        let boxes: Vec<CasterBox> = casters.iter().map(MapCaster::bounds).collect();
         let receivers = light.snapshot.instances.iter().filter(|instance| instance.shadow.receives);
         let receivers = receivers.fold(Aabb::EMPTY, |all, instance| all.union(&instance.world_bounds));
         let is_point = !matches!(light.light().light.kind, shadowgraph_engine::scene::LightKind::Spot { .. });
@@ -144,8 +145,16 @@ impl MapViews {
         cascades: u32,
     ) -> Self {
         let axes = axes_towards(light.light().position.truncate());
-        let boxes: Vec<Aabb> =
-            casters.iter().map(|caster| bounds_along(light, caster.instance, &axes)).collect();
+        let along = |bounds: Aabb| Aabb::from_points(bounds.corners().map(|corner| axes * corner));
+        let boxes = casters.iter().map(|caster| CasterBox {
+            whole: bounds_along(light, caster.instance, &axes),
+            shadows: caster.shadows.map(along),
+        });
+        let boxes: Vec<CasterBox> = boxes.collect();
+        let top_within = |number: usize, view: &LightView| {
+            let instance = casters[number].instance;
+            top_m(light, instance, view).unwrap_or(boxes[number].whole.max.z)
+        };
         let bounds = &light.view.receiver_bounds;
         let Some([nearest_m, farthest_m]) = seen_range(light.view, bounds) else {
             return Self { views: Vec::new(), size, around: false };
@@ -161,7 +170,7 @@ impl MapViews {
             let corners = seen_corners(light.view, bounds, [from_m, to_m]);
             let corners: Vec<_> = corners.into_iter().map(|corner| axes * corner).collect();
             views.push(MapView {
-                view: directional_view(axes, &boxes, &corners, size),
+                view: directional_view(axes, &boxes, top_within, &corners, size),
                 end_m: to_m,
                 blend_m,
             });
@@ -172,8 +181,7 @@ impl MapViews {
 
     /// The flags under which common/shadow_maps asks them.
     pub fn flags(&self) -> Vec<&'static str> {
-        let perspective =
-            |view: &MapView| view.view.is_some_and(|v| matches!(v.depth, Depth::Perspective { .. }));
+        let perspective = |view: &MapView| view.view.is_some_and(|view| view.is_perspective());
         let wanted = [
             ("POINT", self.around),
             ("CASCADES", self.has_cascades()),
@@ -234,9 +242,9 @@ impl ShadowMaps {
             (record.end_m, record.blend_m) =
                 (view.end_m.min(f64::from(f32::MAX)) as f32, view.blend_m as f32);
             if let Some(seen) = view.view {
-                let draws = casters.draws(&seen, with_slopes, &mut matrices)?;
+                let draws = casters.draws((light, &mut *out), (&seen, texels), with_slopes, &mut matrices)?;
                 if !draws.is_empty() {
-                    fill(&mut record, &seen, light, texels, casters.largest_m());
+                    fill(&mut record, &seen, light, texels, casters.largest_m(light, &seen));
                     record.layer = layers.len() as u32;
                     layers.push(seen);
                     drawn.push(draws);
@@ -344,10 +352,13 @@ fn draw_maps(
 ) {
     let bytes: Arc<Vec<u8>> = Arc::new(cast_slice(matrices).to_vec());
     let (label, reason) = (format!("map matrices of {light}"), "where the light sees each caster");
-    let matrices = out.buffer(BufferDesc::storage(&label, hash_of(("map matrices", &bytes)), bytes, reason));
+    let matrices = (!bytes.is_empty())
+        .then(|| out.buffer(BufferDesc::storage(&label, hash_of(("map matrices", &bytes)), bytes, reason)));
     for (layer, (draws, reason)) in (0..).zip(passes) {
         let draws = draws.into_iter().map(|mut draw| {
-            draw.bindings.push((MATRICES, Binding::Storage(matrices)));
+            // What is cut to the view is there already.
+            let is_placed = !matches!(draw.geometry, Geometry::Procedural { .. });
+            draw.bindings.extend(matrices.filter(|_| is_placed).map(|m| (MATRICES, Binding::Storage(m))));
             draw
         });
         let slopes =
