@@ -145,6 +145,21 @@ impl LightView {
         texels_from_clip * self.clip_from_local(world_from_local)
     }
 
+    /// What it shows on so many texels along a side, for the plan's text.
+    pub fn description(&self, texels: u32) -> String {
+        let [low, high] = self.window;
+        let size = high - low;
+        match self.depth {
+            Depth::Orthographic { .. } => {
+                format!("{texels} x {texels} texels on {:.3} x {:.3} m", size.x, size.y)
+            }
+            Depth::Perspective { near_m, far_m } => format!(
+                "{texels} x {texels} texels on {:.3} x {:.3} m at 1 m, from {near_m:.3e} m to {far_m:.3e} m",
+                size.x, size.y
+            ),
+        }
+    }
+
     /// Whether something within `bounds` may be in the window and before what receives.
     pub fn may_show(&self, bounds: &Aabb) -> bool {
         let corners = bounds.corners().map(|corner| self.light_from(corner));

@@ -278,7 +278,8 @@ impl ShadowMaps {
         let slopes = with_slopes.then(|| texture("map slopes", TextureFormat::Rg16Float, reason));
         // On transparent layers too the maps are those that were drawn for the opaque surfaces.
         if light.layer().is_none() {
-            let passes = drawn.into_iter().zip(&layers).map(|(draws, view)| (draws, describe(view, texels)));
+            let passes =
+                drawn.into_iter().zip(&layers).map(|(draws, view)| (draws, view.description(texels)));
             draw_maps(out, &name, (depths, slopes), &matrices, passes);
         }
         let records = upload(light, out, texels, biases.unwrap_or_default(), &records);
@@ -370,21 +371,6 @@ fn draw_maps(
             depth: Some(DepthTarget { layer, ..DepthTarget::new(depths, Access::Clear(0.0)) }),
             draws: draws.collect(),
         });
-    }
-}
-
-/// What a layer shows, for the plan's text.
-fn describe(view: &LightView, texels: u32) -> String {
-    let [low, high] = view.window;
-    let size = high - low;
-    match view.depth {
-        Depth::Orthographic { .. } => {
-            format!("{texels} x {texels} texels on {:.3} x {:.3} m", size.x, size.y)
-        }
-        Depth::Perspective { near_m, far_m } => format!(
-            "{texels} x {texels} texels on {:.3} x {:.3} m at 1 m, from {near_m:.3e} m to {far_m:.3e} m",
-            size.x, size.y
-        ),
     }
 }
 

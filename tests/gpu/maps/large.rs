@@ -1,5 +1,7 @@
 //! Casters larger than what a map shows of them: floors that something pierces, whole worlds around a table.
 
+use std::f64::consts::TAU;
+
 use glam::{Vec2, Vec3};
 use shadowgraph::engine::geometry::shapes::{icosphere, plane};
 use shadowgraph::measure::{KnownReferences, LightError, evaluate};
@@ -71,14 +73,14 @@ fn pierced_floor(seed: u64) -> (Scene, CameraSnapshot) {
         add(&mut scene, "floor with posts", MeshData::merged("", posts.into_iter().chain([floor])));
     }
     let place = DVec3::new(random.between(-3.0, 3.0), random.between(2.0, 4.0), random.between(-3.0, 3.0));
-    let (up, turn) = (random.between(0.6, 1.4), random.between(0.0, 6.28));
+    let (up, turn) = (random.between(0.6, 1.4), random.between(0.0, TAU));
     let down = DVec3::new(up.cos() * turn.cos(), -up.sin(), up.cos() * turn.sin());
     match seed % 5 {
         3 => scene.add_light(Light::point("lamp", 20.0), place, DVec3::ZERO),
         4 => scene.add_light(Light::spot("spot", 20.0, 0.6), place, 0.2 * place * DVec3::new(1.0, 0.0, 1.0)),
         _ => scene.add_light(Light::directional("sun", 3.0), DVec3::ZERO, down),
     };
-    let turn = random.between(0.0, 6.28);
+    let turn = random.between(0.0, TAU);
     let eye = DVec3::new(4.0 * turn.cos(), random.between(0.5, 3.0), 4.0 * turn.sin());
     (scene, shadowgraph_testing::camera(eye, DVec3::ZERO))
 }
