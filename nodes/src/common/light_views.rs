@@ -317,8 +317,16 @@ pub fn narrow_view(
     receivers: &Aabb,
     size: MapSize,
 ) -> Option<Option<LightView>> {
-    // Of a flat caster what it may shadow has to be seen, and that is behind it.
-    let boxes: Vec<Aabb> = casters.iter().map(|caster| caster.shadows.unwrap_or(caster.whole)).collect();
+    // Of a flat caster it is enough to see what is behind it, which may be less than all of it, or more.
+    let whole: Vec<Aabb> = casters.iter().map(|caster| caster.whole).collect();
+    let behind: Vec<Aabb> = casters.iter().map(|caster| caster.shadows.unwrap_or(caster.whole)).collect();
+    let (forward, cosine) = narrow_cone(origin, &whole).or_else(|| narrow_cone(origin, &behind))?;
+    let opening = cosine.acos().tan() + 2.0 * size.margin / f64::from(size.texels);
+    Some(perspective_view(origin, forward, opening, (casters, receivers), size))
+}
+
+/// One of a fixed set of directions, and the cosine of the cone around it in which all boxes are; `None` where that is wide.
+fn narrow_cone(origin: DVec3, boxes: &[Aabb]) -> Option<(DVec3, f64)> {
     let all = boxes.iter().fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
     let towards = (all.center() - origin).normalize_or_zero();
     let forward = (towards * DIRECTIONS).round().normalize_or_zero();
@@ -327,10 +335,7 @@ pub fn narrow_view(
     // What a box holds is within the cone about its corners, as long as that is less than half of all directions.
     let cosine = widest.fold(1.0_f64, f64::min);
     let is_narrow = cosine > NARROW_COSINE && boxes.iter().all(|bounds| !bounds.contains(origin));
-    is_narrow.then(|| {
-        let opening = cosine.acos().tan() + 2.0 * size.margin / f64::from(size.texels);
-        perspective_view(origin, forward, opening, (casters, receivers), size)
-    })
+    is_narrow.then_some((forward, cosine))
 }
 
 /// The views of a spot: one, or those of a point light where it opens too wide for that.
