@@ -394,6 +394,7 @@ pub(crate) const ROWS: &[Row] = &[
                 ("alpha-mask", map_texels(0.022, 0.001, 0.17)),
                 ("msaa/in-shadow", map_texels(0.008, 0.0016, 0.11)),
                 ("texels/128", map_texels(0.008, 0.0022, 0.11)),
+                ("field-of-view-in-shadow", map_texels(0.008, 0.0015, 0.11)),
                 ("map-acne", map_texels(0.033, 0.001, 0.21)),
                 ("wide-band", map_texels(0.13, 0.001, 0.41)),
                 ("strip-500m", map_texels(0.22, 0.001, 0.55)),
