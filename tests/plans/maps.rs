@@ -169,3 +169,26 @@ fn silhouettes_are_drawn_after_the_depth_they_are_hidden_by() {
     let points = plan.slots.iter().find(|slot| slot.name == "silhouette points of lamp").unwrap();
     assert!(matches!(points.kind, SlotKind::Texture { format: TextureFormat::R8Unorm, .. }), "{plan}");
 }
+
+/// A floor that a post pierces by a centimetre casts, and a map shows of it what is before the post's foot: not all that is in view.
+#[test]
+fn a_pierced_floor_does_not_widen_a_map() {
+    let widest_m = |sunk_m: f32| {
+        let mut scene = Scene::new();
+        scene.add_mesh(
+            mesh(shapes::plane(Vec2::splat(200.0)).named("floor")),
+            Material::default(),
+            DAffine3::IDENTITY,
+        );
+        let post = shapes::cuboid(Vec3::new(-0.1, -sunk_m, -0.1), Vec3::new(0.1, 1.0, 0.1));
+        scene.add_mesh(mesh(post.named("post")), Material::default(), DAffine3::IDENTITY);
+        scene.add_light(Light::directional("sun", 3.0), DVec3::ZERO, DVec3::new(0.4, -1.0, 0.2));
+        let plan = plan(&shadowed(&scene, ShadowMap::default()), &request());
+        let map = plan.passes.iter().find(|pass| pass.name == "map of sun").expect("the post casts");
+        let size = map.reason.split(" texels on ").nth(1).expect("it says what it shows").to_owned();
+        let sides = size.trim_end_matches(" m").split(" x ").map(|side| side.parse::<f64>().unwrap());
+        sides.fold(0.0, f64::max)
+    };
+    let (on_top, sunk) = (widest_m(0.0), widest_m(0.01));
+    assert!(on_top < 5.0 && sunk < 1.2 * on_top, "{on_top} and {sunk} m");
+}
