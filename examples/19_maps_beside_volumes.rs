@@ -20,6 +20,7 @@ use shadowgraph::engine::geometry::shapes::Ends;
 use shadowgraph::engine::geometry::{Chain, facing_signs};
 use shadowgraph::measure::timing::Spread;
 use shadowgraph::measure::{KnownReferences, evaluate_again, measured};
+use shadowgraph::nodes::common::cut_casters::cut_outline;
 use shadowgraph::prelude::*;
 
 const SIZE_PX: [u32; 2] = [1280, 720];
@@ -184,17 +185,9 @@ fn volume_fill(scene: &Scene, camera: &CameraSnapshot) -> Result<(usize, f64)> {
 }
 
 /// The share of the picture that a polygon in clip space covers.
-fn visible_share(mut polygon: Vec<DVec4>) -> f64 {
+fn visible_share(polygon: Vec<DVec4>) -> f64 {
     let planes = [DVec4::X, DVec4::NEG_X, DVec4::Y, DVec4::NEG_Y, DVec4::NEG_Z].map(|side| side + DVec4::W);
-    for plane in planes {
-        let ends = polygon.iter().zip(polygon.iter().cycle().skip(1));
-        let cut = ends.flat_map(|(a, b)| {
-            let (at_a, at_b) = (plane.dot(*a), plane.dot(*b));
-            let crossing = (at_a * at_b < 0.0).then(|| *a + (*b - *a) * (at_a / (at_a - at_b)));
-            (at_a >= 0.0).then_some(*a).into_iter().chain(crossing)
-        });
-        polygon = cut.collect();
-    }
+    let polygon = cut_outline(polygon, &planes);
     let corners: Vec<DVec2> = polygon.iter().map(|corner| corner.truncate().truncate() / corner.w).collect();
     let ends = corners.iter().zip(corners.iter().cycle().skip(1));
     // Twice the area of triangles from the middle; the picture's area is 4.
@@ -290,14 +283,7 @@ fn speed(name: &str) -> Result<Scene> {
         .into_iter()
         .find(|(found, ..)| *found == name)
         .ok_or("there is no such scene")?;
-    let nodes: Vec<_> = scene
-        .nodes()
-        .filter(|(_, node)| matches!(node.content, Content::Shadow(_)))
-        .map(|(key, _)| key)
-        .collect();
-    for key in nodes {
-        scene.node_mut(key).ok_or("a node is gone")?.content = Content::Group;
-    }
+    common::remove(&mut scene, |content| matches!(content, Content::Shadow(_)))?;
     Ok(scene)
 }
 

@@ -7,6 +7,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec4};
+use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::scene::Instance;
 use shadowgraph_engine::shadow::{LightContext, hash_of};
 
@@ -37,38 +38,34 @@ const BESIDE_AXIS: f64 = 3.0;
 /// Triangles are cut a little beyond the window.
 const BEYOND: f64 = 1.01;
 
-/// Whether some triangle of a caster is so large in a view that it has to be cut.
-pub fn is_large(light: &LightContext<'_>, instance: &Instance, view: &LightView) -> bool {
-    let longest_m =
-        *light.cache.get_or_compute("longest edge", instance.pose_key, || longest_edge_m(instance));
+/// Whether a caster with an edge of this length within `bounds` has triangles so large in a view that they have to be cut.
+pub fn is_large(longest_edge_m: f64, bounds: &Aabb, view: &LightView) -> bool {
     let [low, high] = view.window;
     let side = (high - low).min_element();
     match view.depth {
-        Depth::Orthographic { .. } => longest_m > LARGE * side,
+        Depth::Orthographic { .. } => longest_edge_m > LARGE * side,
         Depth::Perspective { .. } => {
-            BESIDE_AXIS * longest_m > LARGE * side * instance.world_bounds.distance(view.origin)
+            BESIDE_AXIS * longest_edge_m > LARGE * side * bounds.distance(view.origin)
         }
     }
 }
 
-/// How high a caster that is large in an orthographic view reaches within it, along the view; `None` for others, which are as high
-/// as their boxes.
+/// How high an instance reaches within an orthographic view, along it: what its triangles do, where its box may be higher.
 pub fn top_m(light: &LightContext<'_>, instance: &Instance, view: &LightView) -> Option<f64> {
     let Depth::Orthographic { end_m, range_m } = view.depth else { return None };
-    is_large(light, instance, view).then(|| {
-        let key = hash_of((instance.pose_key, view.bits()));
-        *light.cache.get_or_compute("top in a view", key, || {
-            let clip_from_light = view.clip_from_light();
-            let outlines = (0..instance.mesh.triangle_count()).flat_map(|triangle| {
-                let corners = instance.world_triangle(triangle);
-                outline_of(corners.map(|corner| clip_from_light * view.light_from(corner).extend(1.0)))
-            });
-            end_m + range_m * outlines.map(|corner| corner.z).fold(f64::NEG_INFINITY, f64::max)
-        })
-    })
+    let key = hash_of((instance.pose_key, view.bits()));
+    Some(*light.cache.get_or_compute("top in a view", key, || {
+        let clip_from_light = view.clip_from_light();
+        let outlines = (0..instance.mesh.triangle_count()).flat_map(|triangle| {
+            let corners = instance.world_triangle(triangle);
+            outline_of(corners.map(|corner| clip_from_light * view.light_from(corner).extend(1.0)))
+        });
+        end_m + range_m * outlines.map(|corner| corner.z).fold(f64::NEG_INFINITY, f64::max)
+    }))
 }
 
-fn longest_edge_m(instance: &Instance) -> f64 {
+/// The longest edge of all triangles.
+pub fn longest_edge_m(instance: &Instance) -> f64 {
     let edges = (0..instance.mesh.triangle_count()).flat_map(|triangle| {
         let [a, b, c] = instance.world_triangle(triangle);
         [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)]
@@ -116,7 +113,11 @@ fn outline_of(corners: [DVec4; 3]) -> Vec<DVec4> {
         DVec4::new(0.0, 0.0, -1.0, 1.0),
         DVec4::W,
     ];
-    let mut outline = corners.to_vec();
+    cut_outline(corners.to_vec(), &sides)
+}
+
+/// The corners, in order, of what of a polygon in clip space is on the positive side of all these planes.
+pub fn cut_outline(mut outline: Vec<DVec4>, sides: &[DVec4]) -> Vec<DVec4> {
     for side in sides {
         let ends = outline.iter().zip(outline.iter().cycle().skip(1));
         let kept = ends.flat_map(|(a, b)| {

@@ -16,7 +16,7 @@ use shadowgraph_engine::plan::{
 use shadowgraph_engine::scene::{ImageKey, Instance, Material};
 use shadowgraph_engine::shadow::{Binding, Draw, Geometry, LightContext, PassList, hash_of};
 
-use super::cut_casters::{CutCorner, is_large, pieces_in};
+use super::cut_casters::{CutCorner, is_large, longest_edge_m, pieces_in, top_m};
 use super::flat_casters::{Behind, behind};
 use super::light_views::{CasterBox, LightView};
 use super::mask_vertices::MaskVertices;
@@ -63,6 +63,8 @@ pub struct MapCaster<'a> {
     pub drawn: Drawn,
     /// The box around what its shadows may fall on, where that is known: it is flat, and they fall on what is behind it.
     pub shadows: Option<Aabb>,
+    /// The longest edge of its triangles.
+    longest_edge_m: f64,
 }
 
 /// The casters of a light that can shadow something anywhere in the scene; of those left out, why.
@@ -97,7 +99,9 @@ pub fn casters_of<'a>(
             Behind::Within(bounds) => Some(bounds),
             Behind::Anything => None,
         };
-        kept.push(MapCaster { index, instance, drawn: drawn(instance), shadows });
+        let longest_edge_m =
+            *light.cache.get_or_compute("longest edge", instance.pose_key, || longest_edge_m(instance));
+        kept.push(MapCaster { index, instance, drawn: drawn(instance), shadows, longest_edge_m });
     }
     for (names, reason) in [
         (flat, "flat, and nothing that receives lies behind it"),
@@ -124,6 +128,16 @@ impl MapCaster<'_> {
     /// Where it is, and what it may shadow.
     pub fn bounds(&self) -> CasterBox {
         CasterBox { whole: self.instance.world_bounds, shadows: self.shadows }
+    }
+
+    /// Whether its triangles are so large in a view that they have to be cut to it.
+    fn is_large_in(&self, view: &LightView) -> bool {
+        is_large(self.longest_edge_m, &self.instance.world_bounds, view)
+    }
+
+    /// How high it reaches within an orthographic view, along it, if that is another height than its box has.
+    pub fn top_m(&self, light: &LightContext<'_>, view: &LightView) -> Option<f64> {
+        self.is_large_in(view).then(|| top_m(light, self.instance, view)).flatten()
     }
 }
 
@@ -225,8 +239,7 @@ impl<'a> CasterBuffers<'a> {
         draws.extend(self.cut_draw((light, out), (view, texels), with_slopes)?);
         for part in self.parts.iter().filter(|part| part.count > 0) {
             let MapCaster { index, instance, .. } = &self.casters[part.caster];
-            let is_cut = part.masked.is_none() && is_large(light, instance, view);
-            if is_cut || !view.may_show(&instance.world_bounds) {
+            if self.is_cut(part, view) || !view.may_show(&instance.world_bounds) {
                 continue;
             }
             let world_from_local = match part.masked {
@@ -265,11 +278,9 @@ impl<'a> CasterBuffers<'a> {
         (view, texels): (&LightView, u32),
         with_slopes: bool,
     ) -> Result<Option<Draw>, ShaderError> {
-        let is_cut = |caster: &&MapCaster<'_>| {
-            let instance = caster.instance;
-            view.may_show(&instance.world_bounds) && is_large(light, instance, view)
-        };
-        let large: Vec<&MapCaster<'_>> = self.casters.iter().filter(is_cut).collect();
+        let parts = self.parts.iter().filter(|part| part.count > 0 && self.is_cut(part, view));
+        let casters = parts.map(|part| &self.casters[part.caster]);
+        let large: Vec<_> = casters.filter(|caster| view.may_show(&caster.instance.world_bounds)).collect();
         let key = hash_of(("cut casters", self.key, view.bits(), texels));
         let bytes = light.cache.get_or_compute("cut casters", key, || {
             let pieces = large.iter().flat_map(|caster| {
@@ -299,13 +310,15 @@ impl<'a> CasterBuffers<'a> {
         Ok(Some(draw.reading(vec![(4, Binding::Storage(corners))])))
     }
 
+    /// Whether a part is cut to a view; masked ones are not, whose holes go by the corners that they have.
+    fn is_cut(&self, part: &Part<'_>, view: &LightView) -> bool {
+        part.masked.is_none() && self.casters[part.caster].is_large_in(view)
+    }
+
     /// How far casters that are not cut to a view reach from their own middles, at most: what rounding loses of their positions
     /// goes by that.
-    pub fn largest_m(&self, light: &LightContext<'_>, view: &LightView) -> f64 {
-        let parts = self.parts.iter().filter(|part| {
-            part.count > 0
-                && (part.masked.is_some() || !is_large(light, self.casters[part.caster].instance, view))
-        });
+    pub fn largest_m(&self, view: &LightView) -> f64 {
+        let parts = self.parts.iter().filter(|part| part.count > 0 && !self.is_cut(part, view));
         parts.map(|part| self.casters[part.caster].instance.world_bounds.radius()).fold(0.0, f64::max)
     }
 }

@@ -12,7 +12,6 @@ use shadowgraph_engine::shadow::{
     Binding, ColorTarget, DepthTarget, Draw, Geometry, LightContext, Pass, PassList, ShadowError, hash_of,
 };
 
-use super::cut_casters::top_m;
 use super::extrusion::end_in_view;
 use super::light_views::{
     CasterBox, Depth, LightView, MapSize, axes_towards, directional_view, narrow_view, point_views,
@@ -152,8 +151,7 @@ impl MapViews {
         });
         let boxes: Vec<CasterBox> = boxes.collect();
         let top_within = |number: usize, view: &LightView| {
-            let instance = casters[number].instance;
-            top_m(light, instance, view).unwrap_or(boxes[number].whole.max.z)
+            casters[number].top_m(light, view).unwrap_or(boxes[number].whole.max.z)
         };
         let bounds = &light.view.receiver_bounds;
         let Some([nearest_m, farthest_m]) = seen_range(light.view, bounds) else {
@@ -244,7 +242,7 @@ impl ShadowMaps {
             if let Some(seen) = view.view {
                 let draws = casters.draws((light, &mut *out), (&seen, texels), with_slopes, &mut matrices)?;
                 if !draws.is_empty() {
-                    fill(&mut record, &seen, light, texels, casters.largest_m(light, &seen));
+                    fill(&mut record, &seen, light, texels, casters.largest_m(&seen));
                     record.layer = layers.len() as u32;
                     layers.push(seen);
                     drawn.push(draws);
