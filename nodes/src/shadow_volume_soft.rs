@@ -16,15 +16,16 @@
 //! - No bias anywhere: p's own plane is found by the rounding of p, and the part of the light beyond it is dark.
 //!
 //! This file says what is chosen and why; `options` how it is asked for, `chain` what a caster is for it, `lists` which of
-//! it matters where, and each quality has a file.
+//! it matters where, `masks` what of alpha-masked casters is hole, and each quality has a file.
 //!
-//! *Limits.* Alpha-masked casters are refused; blended ones cast through coloured techniques.
+//! *Limits.* Blended casters cast through coloured techniques.
 
 mod chain;
 mod chains;
 mod clusters;
 mod light_data;
 mod lists;
+mod masks;
 mod near_light_triangles;
 mod options;
 mod packed;
@@ -58,11 +59,11 @@ impl ShadowTechnique for ShadowVolumeSoft {
             }
             Quality::PerReceiver => {
                 "areas add up: where casters, or layers of one, overlap before the light, penumbrae are too dark; before \
-                 one convex caster exact"
+                 one convex caster exact; what casters with holes leave, 64 samples of it, is multiplied"
             }
             Quality::Wedge => {
                 "silhouettes are those of the light's centre, areas add up, and along hard shadow edges single pixels are a \
-                 layer off, as published in 2003"
+                 layer off, as published in 2003; what casters with holes leave, 64 samples of it, is multiplied"
             }
         };
         let light_samples = (self.quality == Quality::Sampled).then_some(self.samples);

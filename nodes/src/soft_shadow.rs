@@ -2,7 +2,7 @@
 //!
 //! *The idea.* What a light's point leaves dark on a plane is the casters' triangles projected onto it. They are drawn
 //! there, once for each of `samples` points of the light, and a pixel of the receiver gets the share of points that
-//! none of them hides. Any plane receives; any triangles cast.
+//! none of them hides. Any plane receives; any triangles cast, glass in its colours (see [`tints`]).
 //!
 //! *Sources.* Blinn 1988; Lindrud & Löfgren 2004 §5.2, whose node had this name and its faults: here are their cures.
 //!
@@ -36,6 +36,7 @@ mod options;
 mod overlap;
 mod points;
 mod receivers;
+mod tints;
 
 use std::collections::BTreeMap;
 
@@ -68,16 +69,17 @@ impl ShadowTechnique for SoftShadow {
         Traits {
             known_error: "a light is as many points as there are samples: steps in penumbrae, by about 0.4 \
                           samples^-0.8; casters within a light's own sphere, which hide some points that they should not \
-                          and the other way round; and rasterisation: pixels whose centre is within 1/256 pixel of a \
+                          and the other way round; half floats where light passes glass; and rasterisation: pixels whose centre is within 1/256 pixel of a \
                           point's shadow edge",
             light_size: self.light_size(),
+            casts_transparent: true,
             shades_receivers_only: true,
             ..Traits::default()
         }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
-        Ok(instance.blocks_light())
+        Ok(instance.materials.iter().any(|material| !material.unlit))
     }
 
     fn receives(&self, instance: &Instance) -> Result<(), String> {
@@ -93,14 +95,15 @@ impl ShadowTechnique for SoftShadow {
         let cut = lit.iter().any(|lit| lit.is_cut());
         let is_wide = self.light_size().is_wide(light.light().position);
         let may_be_left_to_nodes = cut || (is_wide && light.is_beside_size());
-        let (mut in_picture, mut shades) = (BTreeMap::new(), false);
+        let (mut in_picture, mut visibility) = (BTreeMap::new(), None);
         for (receiver, lit) in receivers.iter().zip(&lit) {
             if may_be_left_to_nodes || !lit.is_dark() {
-                shades |= self.shade(light, out, (receiver, lit), &mut in_picture)?;
+                let channels = self.shade(light, out, (receiver, lit), &mut in_picture)?;
+                visibility = visibility.max(channels);
             }
         }
         Ok(Contribution {
-            visibility: shades.then_some(Channels::One),
+            visibility,
             own_shadow: cut,
             apply: Apply::Light { weight: self.weight, color: self.color },
             ..Contribution::default()
@@ -181,7 +184,7 @@ impl SoftShadow {
         Ok(())
     }
 
-    /// The shadow on one plane; false where there is none. What is drawn in the picture with as many points shares its targets:
+    /// The shadow on one plane, and what channels it has; `None` where there is none. What is drawn in the picture with as many points shares its targets:
     /// planes that the light stands on have one point more.
     fn shade(
         &self,
@@ -189,27 +192,37 @@ impl SoftShadow {
         out: &mut PassList<'_>,
         (receiver, lit): (&Receiver, &Lit),
         shared: &mut BTreeMap<usize, Targets>,
-    ) -> Result<bool, ShadowError> {
+    ) -> Result<Option<Channels>, ShadowError> {
         // Of what is dark as a whole there is nothing to keep.
         let in_picture = self.mode == PlanarMode::Direct || lit.is_dark();
         let casters = Casters::of(light, out, receiver, &lit.points, in_picture);
         if casters.batches.is_empty() && lit.heights.iter().all(|height| *height > 0.0) {
-            return Ok(false);
+            return Ok(None);
         }
+        let is_tinted = casters.glass().next().is_some();
         let what = (receiver, lit, &casters);
-        if in_picture {
-            let canvas = Canvas::picture(light);
-            let count = lit.heights.len();
-            let targets = *shared.entry(count).or_insert_with(|| canvas.targets(out, count));
-            draws::mark(light, out, (&canvas, targets), what)?;
-            draws::weigh(light, out, &canvas, (receiver, lit), targets.bits)?;
-        } else if let Some(canvas) = Canvas::texture(light, receiver, lit, &casters, self.resolution) {
-            let targets = canvas.targets(out, lit.heights.len());
-            draws::mark(light, out, (&canvas, targets), what)?;
-            draws::weigh_texture(light, out, &canvas, (receiver, lit), targets.bits)?;
+        let canvas = if in_picture {
+            Some(Canvas::picture(light))
         } else {
-            return Ok(false);
+            Canvas::texture(light, receiver, lit, &casters, self.resolution)
+        };
+        let Some(canvas) = canvas else { return Ok(None) };
+        let count = lit.heights.len();
+        let targets = if in_picture {
+            *shared.entry(count).or_insert_with(|| canvas.targets(out, count))
+        } else {
+            canvas.targets(out, count)
+        };
+        draws::mark(light, out, (&canvas, targets), what)?;
+        if is_tinted {
+            tints::weigh(light, out, (&canvas, targets), what)?;
+            return Ok(Some(Channels::Rgb));
         }
-        Ok(true)
+        if in_picture {
+            draws::weigh(light, out, &canvas, (receiver, lit), targets.bits)?;
+        } else {
+            draws::weigh_texture(light, out, &canvas, (receiver, lit), targets.bits)?;
+        }
+        Ok(Some(Channels::One))
     }
 }

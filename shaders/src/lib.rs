@@ -42,6 +42,7 @@ modules![
     "common/shadow_maps",
     "common/soft_light",
     "common/soft_lists",
+    "common/soft_masks",
     "common/soft_near",
     "common/soft_question",
     "common/soft_seen",

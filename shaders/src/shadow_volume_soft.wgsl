@@ -7,6 +7,7 @@
 #import common/soft_light
 #import common/soft_seen
 #import common/soft_near
+#import common/soft_masks
 #import common/soft_question
 
 #if CASTERS
@@ -206,7 +207,6 @@ fn add_edges(list: CellList, r: Receiver, round: u32) {
 #endif
 }
 
-#if CLUSTERS
 // Samples that a triangle hides, whether it stands before the light or in it. Here nothing is counted, so that solids are
 // no other than soups.
 fn hidden_by(t: SeenTriangle, r: Receiver, round: u32) -> vec2u {
@@ -225,6 +225,7 @@ fn hidden_by(t: SeenTriangle, r: Receiver, round: u32) -> vec2u {
     return select(select(beyond & through, of_center, r.k == 0.0), vec2u(0u), t.side == 0);
 }
 
+#if CLUSTERS
 // Samples that the triangles hide that are tested one by one.
 fn hidden_nearby(lists: Lists, r: Receiver, round: u32) -> vec2u {
     var hidden = vec2u(0u);
@@ -240,15 +241,67 @@ fn hidden_nearby(lists: Lists, r: Receiver, round: u32) -> vec2u {
 }
 #endif
 
-// Samples that the casters hide, of which `over_center` hide the centre.
-fn hidden(r: Receiver, lists: Lists, over_center: i32, round: u32) -> vec2u {
+#if MASKS
+// Which of these samples a triangle with holes hides that is crossed on the way to them.
+fn hidden_by_mask(number: u32, t: SeenTriangle, crossed: vec2u, r: Receiver, round: u32) -> vec2u {
+    let mask = mask_of(number);
+    var asked = crossed;
+    var hidden = vec2u(0u);
+    while (asked.x | asked.y) != 0u {
+        // Several at a turn: drivers may bound how often a shader goes round.
+        hidden |= next_hidden(&asked, mask, t, r, round);
+        hidden |= next_hidden(&asked, mask, t, r, round);
+        hidden |= next_hidden(&asked, mask, t, r, round);
+        hidden |= next_hidden(&asked, mask, t, r, round);
+    }
+    return hidden;
+}
+
+// Takes the first of the asked samples, and gives it back if the mask has no hole on the way to it.
+fn next_hidden(asked: ptr<function, vec2u>, mask: Mask, t: SeenTriangle, r: Receiver, round: u32) -> vec2u {
+    let in_low = (*asked).x != 0u;
+    let word = select((*asked).y, (*asked).x, in_low);
+    if word == 0u {
+        return vec2u(0u);
+    }
+    let bit = word & (0u - word);
+    let bits = select(vec2u(0u, bit), vec2u(bit, 0u), in_low);
+    *asked &= ~bits;
+    let place = sample_place(round * 64u + firstTrailingBit(word) + select(32u, 0u, in_low)) * r.k;
+    return select(bits, vec2u(0u), has_hole_towards(mask, t, place));
+}
+
+// Which of these samples triangles with holes hide.
+fn hidden_by_masks(lists: Lists, samples: vec2u, r: Receiver, round: u32) -> vec2u {
+    var seen = samples;
+    for (var place = lists.masked.first; place < lists.masked.end && (seen.x | seen.y) != 0u; place += 1u) {
+        let number = select(list_word(place), place, lists.masked_by_number);
+#if BESIDE
+        let t = seen_from_light(number, r);
+#else
+        let t = seen_triangle(number, r);
+#endif
+        if may_hide(t, r) {
+            seen &= ~hidden_by_mask(number, t, hidden_by(t, r, round) & seen, r, round);
+        }
+    }
+    return samples & ~seen;
+}
+#endif
+
+// Those of the samples that the casters hide, of which `over_center` hide the centre.
+fn hidden(r: Receiver, lists: Lists, samples: vec2u, over_center: i32, round: u32) -> vec2u {
     var dark = vec2u(0u);
 #if CLUSTERS
     dark = hidden_nearby(lists, r, round);
 #endif
     set_counts(over_center);
     add_edges(lists.edges, r, round);
-    return dark | counted();
+    dark |= counted();
+#if MASKS
+    dark |= hidden_by_masks(lists, samples & ~dark, r, round);
+#endif
+    return dark;
 }
 #endif
 
@@ -268,6 +321,9 @@ fn sampled(in: SoftVaryings) -> @location(0) vec4f {
     let height = q.height - select(0.0, uncertain, r.k == 0.0);
     let over = vec3f(height, dot(q.n, r.u) * r.k, dot(q.n, r.v) * r.k);
     var lit = 0u;
+#if MASKS_ONLY
+    var over_horizon = 0u;
+#endif
 #if CASTERS
     let over_center = center_count(q.lists.triangles, r);
 #endif
@@ -279,10 +335,18 @@ fn sampled(in: SoftVaryings) -> @location(0) vec4f {
         // What lies in the surface's own plane is dark.
         bits &= ~samples_not_below(-over, round);
 #endif
+#if MASKS_ONLY
+        over_horizon += countOneBits(bits.x) + countOneBits(bits.y);
+#endif
 #if CASTERS
-        bits &= ~hidden(r, q.lists, over_center, round);
+        bits &= ~hidden(r, q.lists, bits, over_center, round);
 #endif
         lit += countOneBits(bits.x) + countOneBits(bits.y);
     }
+#if MASKS_ONLY
+    // Of what another pass leaves of the light.
+    return vec4f(select(f32(lit) / f32(over_horizon), 1.0, over_horizon == 0u));
+#else
     return vec4f(f32(lit) / f32(sample_count));
+#endif
 }

@@ -108,14 +108,24 @@ fn weight(a: vec3f, towards: vec3f, rim: f32) -> f32 {
     return 1.0 / (cos_squared * sqrt(cos_squared) * points);
 }
 
-// The share of the light that reaches a receiver at `p`, whose bits are those of `pixel`.
-fn share_at(p: vec3f, pixel: vec2u) -> f32 {
+// What point `i` of the light counts for a receiver at `p`.
+fn weight_of_point(i: u32, p: vec3f) -> f32 {
     let away = p - light.center;
     let distance_m = length(away);
     let weighs = light.radius_m > 0.0;
     let inside = weighs && distance_m <= light.radius_m;
-    let towards = away / distance_m;
+    if (i == light.center_point) != inside {
+        return 0.0;
+    }
+    if !weighs || inside {
+        return 1.0;
+    }
     let rim = light.radius_m / distance_m;
+    return weight(light.points[i].xyz * rim, away / distance_m, rim);
+}
+
+// The share of the light that reaches a receiver at `p`, whose bits are those of `pixel`.
+fn share_at(p: vec3f, pixel: vec2u) -> f32 {
     var lit = 0.0;
     var all = 0.0;
     var bits = vec4u(0u);
@@ -123,16 +133,10 @@ fn share_at(p: vec3f, pixel: vec2u) -> f32 {
         if (i & 31u) == 0u {
             bits = vec4u(textureLoad(shadowed_bits, pixel, i >> 5u, 0) * 255.0 + 0.5);
         }
-        let point = light.points[i];
-        var w = 1.0;
-        if (i == light.center_point) != inside {
-            w = 0.0;
-        } else if weighs && !inside {
-            w = weight(point.xyz * rim, towards, rim);
-        }
+        let w = weight_of_point(i, p);
         all += w;
         let is_shadowed = ((bits[(i >> 3u) & 3u] >> (i & 7u)) & 1u) == 1u;
-        lit += select(w * point.w, 0.0, is_shadowed);
+        lit += select(w * light.points[i].w, 0.0, is_shadowed);
     }
     return lit / max(all, 1e-30);
 }
@@ -148,9 +152,13 @@ fn share(in: Varyings) -> @location(0) vec4f {
 // The same for the middle of a texel.
 @fragment
 fn share_of_texel(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    return vec4f(share_at(texel_middle(position), vec2u(position.xy)));
+}
+
+fn texel_middle(position: vec4f) -> vec3f {
     let size = vec2f(textureDimensions(shadowed_bits));
     let place = (position.xy / size * 2.0 - 1.0) * light.half_m;
-    return vec4f(share_at(vec3f(place.x, -place.y, 0.0), vec2u(position.xy)));
+    return vec3f(place.x, -place.y, 0.0);
 }
 
 // Where a texture lies: its texels are (dot(p, x_axis) + x_offset, dot(p, y_axis) + y_offset), p in view space.
@@ -163,6 +171,88 @@ struct PlanarTexture {
 
 @group(1) @binding(6) var shares: texture_2d<f32>;
 @group(1) @binding(7) var<storage, read> place: PlanarTexture;
+
+// The four texels between whose middles a point is, and how they blend.
+struct TexelsAt {
+    low: vec2u,
+    high: vec2u,
+    blend: vec2f,
+}
+
+// Where a point (in view space) is on a texture of this size.
+fn texels_at(p: vec3f, size: vec2u) -> TexelsAt {
+    let texel = vec2f(dot(p, place.x_axis) + place.x_offset, dot(p, place.y_axis) + place.y_offset) - 0.5;
+    let low = clamp(floor(texel), vec2f(0.0), vec2f(size) - 1.0);
+    return TexelsAt(vec2u(low), min(vec2u(low) + 1u, size - 1u), saturate(texel - low));
+}
+
+// Which points of the light are added: from the first, up to the end.
+struct Chunk {
+    first: u32,
+    end: u32,
+}
+
+@group(1) @binding(9) var<storage, read> chunk: Chunk;
+// What glass lets pass of each of these points, a layer for each.
+@group(1) @binding(10) var tints: texture_2d_array<f32>;
+
+// The colour of what arrives of some points of the light at a receiver at `p`, whose bits are those of `pixel`, times their
+// weights; and the weights: both over the number of all points.
+fn tinted_at(p: vec3f, pixel: vec2u) -> vec4f {
+    var arrives = vec3f(0.0);
+    var all = 0.0;
+    let bits = vec4u(textureLoad(shadowed_bits, pixel, chunk.first >> 5u, 0) * 255.0 + 0.5);
+    for (var i = chunk.first; i < chunk.end; i += 1u) {
+        let w = weight_of_point(i, p);
+        all += w;
+        let is_shadowed = ((bits[(i >> 3u) & 3u] >> (i & 7u)) & 1u) == 1u;
+        let lit = select(w * light.points[i].w, 0.0, is_shadowed);
+        if lit > 0.0 {
+            arrives += lit * textureLoad(tints, pixel, i - chunk.first, 0).rgb;
+        }
+    }
+    return vec4f(arrives, all) / f32(light.count);
+}
+
+@fragment
+fn tinted_points(in: Varyings) -> @location(0) vec4f {
+    if is_left_out(in) {
+        discard;
+    }
+    return tinted_at(in.p_in_view, vec2u(in.clip.xy));
+}
+
+// The same for the middle of a texel.
+@fragment
+fn tinted_texel(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    return tinted_at(texel_middle(position), vec2u(position.xy));
+}
+
+// The colour of what arrives of all points. `shares` is the sum of what `tinted_points` gives.
+@fragment
+fn tinted_share(in: Varyings) -> @location(0) vec4f {
+    if is_left_out(in) {
+        discard;
+    }
+    return tinted_texel_at(vec2u(in.clip.xy));
+}
+
+fn tinted_texel_at(texel: vec2u) -> vec4f {
+    let sum = textureLoad(shares, texel, 0);
+    return vec4f(sum.rgb / max(sum.a, 1e-30), 1.0);
+}
+
+// The same between four texels.
+@fragment
+fn tinted_share_from_texture(in: Varyings) -> @location(0) vec4f {
+    if is_left_out(in) {
+        discard;
+    }
+    let at = texels_at(in.p_in_view, textureDimensions(shares));
+    let top = mix(tinted_texel_at(at.low), tinted_texel_at(vec2u(at.high.x, at.low.y)), at.blend.x);
+    let bottom = mix(tinted_texel_at(vec2u(at.low.x, at.high.y)), tinted_texel_at(at.high), at.blend.x);
+    return mix(top, bottom, at.blend.y);
+}
 
 // A texel with its neighbours to the right and below: what is blended where their middles are the corners.
 @fragment
@@ -180,17 +270,42 @@ fn share_from_texture(in: Varyings) -> @location(0) vec4f {
     if is_left_out(in) {
         discard;
     }
-    let p = in.p_in_view;
-    let texel = vec2f(dot(p, place.x_axis) + place.x_offset, dot(p, place.y_axis) + place.y_offset) - 0.5;
-    let last = vec2f(textureDimensions(shares)) - 1.0;
-    let low = clamp(floor(texel), vec2f(0.0), last);
-    let four = textureLoad(shares, vec2u(low), 0);
-    let blend = saturate(texel - low);
-    return vec4f(mix(mix(four.x, four.y, blend.x), mix(four.z, four.w, blend.x), blend.y));
+    let at = texels_at(in.p_in_view, textureDimensions(shares));
+    let four = textureLoad(shares, at.low, 0);
+    return vec4f(mix(mix(four.x, four.y, at.blend.x), mix(four.z, four.w, at.blend.x), at.blend.y));
 }
 
 #else
 
+#if GLASS
+#import common/transmission
+
+// A corner of a triangle that light passes.
+struct GlassCorner {
+    // From its caster's middle.
+    position: vec3f,
+    caster: u32,
+    // Of the vertex.
+    color: vec4f,
+    base_color: vec4f,
+    // Transformed.
+    uv: vec2f,
+    // Holes are where alpha is below, of masks.
+    cutoff: f32,
+    transmission: f32,
+    // 0: alpha is ignored, 1: a mask, 2: blended.
+    alpha_mode: u32,
+    // How the texture is read: see common/alpha_mask.
+    reading: u32,
+    pad_0: u32,
+    pad_1: u32,
+}
+
+@group(1) @binding(0) var<storage, read> corners: array<GlassCorner>;
+#if BASE_COLOR_TEXTURE
+@group(1) @binding(2) var base_color_image: texture_2d<f32>;
+#endif
+#else
 #if MASKED
 #import common/alpha_mask
 
@@ -220,17 +335,28 @@ struct MaskedCorner {
 // Corners from their caster's middle; w is the caster's number, as bits.
 @group(1) @binding(0) var<storage, read> corners: array<vec4f>;
 #endif
+#endif
 // For every point of the light, one for each caster: onto the receiver's plane as the light sees it there, and from
 // there to clip space.
 @group(1) @binding(1) var<storage, read> clip_from_caster: array<mat4x4f>;
 
 struct Varyings {
     @builtin(position) clip: vec4f,
+#if GLASS
+    @location(0) uv: vec2f,
+    @location(1) color: vec4f,
+    @location(2) @interpolate(flat, first) base_color: vec4f,
+    // Cutoff, transmission.
+    @location(3) @interpolate(flat, first) factors: vec2f,
+    // Alpha mode, reading.
+    @location(4) @interpolate(flat, first) modes: vec2u,
+#else
 #if MASKED
     @location(0) uv: vec2f,
     @location(1) alpha: f32,
     @location(2) @interpolate(flat, first) cutoff: f32,
     @location(3) @interpolate(flat, first) reading: u32,
+#endif
 #endif
 }
 
@@ -238,6 +364,14 @@ struct Varyings {
 fn flatten(@builtin(vertex_index) index: u32, @builtin(instance_index) first_caster: u32) -> Varyings {
     let corner = corners[index];
     var out: Varyings;
+#if GLASS
+    out.clip = clip_from_caster[first_caster + corner.caster] * vec4f(corner.position, 1.0);
+    out.uv = corner.uv;
+    out.color = corner.color;
+    out.base_color = corner.base_color;
+    out.factors = vec2f(corner.cutoff, corner.transmission);
+    out.modes = vec2u(corner.alpha_mode, corner.reading);
+#else
 #if MASKED
     out.clip = clip_from_caster[first_caster + corner.caster] * vec4f(corner.position, 1.0);
     out.uv = corner.uv;
@@ -247,9 +381,21 @@ fn flatten(@builtin(vertex_index) index: u32, @builtin(instance_index) first_cas
 #else
     out.clip = clip_from_caster[first_caster + bitcast<u32>(corner.w)] * vec4f(corner.xyz, 1.0);
 #endif
+#endif
     return out;
 }
 
+#if GLASS
+// What one surface lets pass.
+@fragment
+fn tint(in: Varyings) -> @location(0) vec4f {
+    var color = in.base_color * in.color;
+#if BASE_COLOR_TEXTURE
+    color *= color_at(base_color_image, in.uv, in.modes.y);
+#endif
+    return vec4f(passing_surface(color, in.modes.x, in.factors.x, in.factors.y), 1.0);
+}
+#else
 // The blend constant says which bit.
 @fragment
 fn mark_shadow(in: Varyings) -> @location(0) vec4f {
@@ -264,4 +410,5 @@ fn mark_shadow(in: Varyings) -> @location(0) vec4f {
 #endif
     return vec4f(1.0);
 }
+#endif
 #endif

@@ -139,12 +139,5 @@ fn passing_one(number: u32, receiver: Receiver) -> vec3f {
     let uv = t.uv_a * weights.x + t.uv_b * weights.y + t.uv_c * weights.z;
     color *= color_at(base_color_image, uv, caster.reading);
 #endif
-    var coverage = 1.0;
-    if caster.alpha_mode == 1u {
-        coverage = select(0.0, 1.0, color.a >= caster.cutoff);
-    }
-    if caster.alpha_mode == 2u {
-        coverage = saturate(color.a);
-    }
-    return transmission_at(color.rgb, coverage, caster.transmission);
+    return passing_surface(color, caster.alpha_mode, caster.cutoff, caster.transmission);
 }

@@ -140,11 +140,10 @@ impl Draft<'_> {
         entry.map_or_else(Params::new, |entry| options::draw(&mut self.random, entry, sizes))
     }
 
-    /// One node over everything, of one of these types. Lights with a size do not take holes, by a typed refusal.
+    /// One node over everything, of one of these types.
     fn one_of(&mut self, techniques: &[&str], sizes: Sizes) {
         let masked = self.recipe.bodies.iter().any(|body| matches!(body.wear, Wear::Mask { .. }));
         let technique = self.random.pick(techniques);
-        let technique = if masked && technique == SOFT { HARD } else { technique };
         let mut params = self.params(technique, sizes);
         // Holes are no counts, which is all that a single pass takes: refused as well.
         if masked {

@@ -30,6 +30,7 @@ mod models;
 mod outside_technique;
 mod plan_execution;
 mod planar;
+mod planar_glass;
 mod robustness;
 mod sabotage;
 mod sabotage_glass;

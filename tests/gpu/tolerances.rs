@@ -121,9 +121,9 @@ pub(crate) const fn casters_within(rmse: f64) -> Tolerance {
 
 pub(crate) const SOFT: &str = "ShadowVolumeSoft";
 
-/// Sample by sample, and no masks; its factors are computed for each fragment, so that four samples a pixel are refused.
+/// Sample by sample, holes too; its factors are computed for each fragment, so that four samples a pixel are refused.
 const fn sampled(setting: &'static str) -> Row {
-    let except: &[Group] = &[&[("alpha-mask", Tolerance::Refused), ("msaa", Tolerance::ExactWhereAccepted)]];
+    let except: &[Group] = &[&[("msaa", Tolerance::ExactWhereAccepted)]];
     Row { except, ..exact(SOFT, setting) }
 }
 
@@ -302,7 +302,6 @@ pub(crate) const ROWS: &[Row] = &[
             NOT_MULTISAMPLED,
             OVERLAPS,
             &[
-                ("alpha-mask", Tolerance::Refused),
                 ("duplicate-face", areas(0.0001, 0.004, 0.06, 0.5, LAYERS)),
                 ("penumbra-overlap", areas(0.0001, 0.001, 0.09, 0.35, LAYERS)),
                 ("light-on-edge", areas(0.0001, 0.001, 0.15, 0.2, LAYERS)),
@@ -319,7 +318,6 @@ pub(crate) const ROWS: &[Row] = &[
             NOT_MULTISAMPLED,
             OVERLAPS,
             &[
-                ("alpha-mask", Tolerance::Refused),
                 ("duplicate-face", areas(0.001, 0.004, 0.06, 0.5, LAYERS)),
                 // The centre is inside: nothing outside sees it, and all of the light is taken to be hidden with it.
                 ("caster-in-light", areas(0.001, 1.0, 0.9, 0.9, FROM_THE_CENTRE)),

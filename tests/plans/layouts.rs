@@ -155,6 +155,7 @@ fn every_structure_bound_as_data_is_compared() {
         "CutCorner",
         "Edge",
         "Frame",
+        "GlassCorner",
         "Instance",
         "Light",
         "ListView",

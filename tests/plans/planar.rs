@@ -1,11 +1,11 @@
 //! `SoftShadow`: its options, what it refuses, and its plans. No GPU.
 
 use shadowgraph::engine::gltf;
-use shadowgraph::engine::plan::{Access, Geometry, SlotKind, TextureFormat};
+use shadowgraph::engine::plan::{Access, FramePlan, Geometry, SlotKind, TextureFormat};
 use shadowgraph::engine::scene::{NodeKey, ParamValue, Params};
-use shadowgraph::engine::shadow::{Options, ShadowError};
+use shadowgraph::engine::shadow::{Cache, Features, Options, ShadowError};
 use shadowgraph::prelude::*;
-use shadowgraph_engine::render::FrameError;
+use shadowgraph_engine::render::{Adapter, FrameError};
 use shadowgraph_nodes::{Flat, NotPlanar};
 use shadowgraph_testing::*;
 
@@ -29,6 +29,32 @@ fn refused(scene: &Scene) -> ShadowError {
     match try_plan(scene, &request()) {
         Err(FrameError::Shadow(error)) => error,
         other => panic!("not refused: {other:?}"),
+    }
+}
+
+/// Each point of the light has its glass multiplied, four points at a time are added; and none of it where nothing is glass.
+#[test]
+fn glass_takes_a_pass_for_each_point_and_wide_floats_where_there_are_some() {
+    let mut scene = shadowed(SoftShadow { samples: 10, ..SoftShadow::default() });
+    let tints = |plan: &FramePlan| plan.passes_named("tints on floor from lamp").count();
+    assert_eq!(tints(&plan(&scene, &request())), 0);
+    let glass = Material { transmission: 0.5, ..Material::default() };
+    scene.add_mesh(quad("pane", 0.5), glass, at(-1.5, 1.0, 0.0));
+    let with = |features: Features| {
+        let adapter = Adapter { features, ..Adapter::imagined() };
+        try_plan_with(&scene, &request(), &shadowgraph_nodes::catalog(), &adapter, &Cache::new()).unwrap()
+    };
+    for (features, format, noted) in [
+        (Features::all(), TextureFormat::Rgba32Float, false),
+        (Features::all() - Features::FLOAT32_BLENDABLE, TextureFormat::Rgba16Float, true),
+    ] {
+        let plan = with(features);
+        assert_eq!(tints(&plan), 10, "{plan}");
+        let sums: Vec<_> = plan.passes_named("tinted light of lamp on floor").collect();
+        assert_eq!(sums.len(), 3, "{plan}");
+        let sum = plan.slot(sums[0].colors[0].slot);
+        assert!(matches!(sum.kind, SlotKind::Texture { format: f, .. } if f == format), "{plan}");
+        assert_eq!(has_note(&plan, "half floats"), noted, "{plan}");
     }
 }
 

@@ -49,7 +49,7 @@ const USED: &[(&str, &[&str], &[&str])] = &[
     ("silhouette_points", &["BYTE"], &["vertex", "store"]),
     (
         "soft_shadow",
-        &["BASE_COLOR_TEXTURE", "MASKED", "OVERLAPS", "RECEIVER", "SECOND_UV"],
+        &["BASE_COLOR_TEXTURE", "GLASS", "MASKED", "OVERLAPS", "RECEIVER", "SECOND_UV"],
         &[
             "receiver if RECEIVER",
             "mark_receiver if RECEIVER",
@@ -57,12 +57,16 @@ const USED: &[(&str, &[&str], &[&str])] = &[
             "share_of_texel if RECEIVER",
             "four_texels if RECEIVER",
             "share_from_texture if RECEIVER",
+            "tinted_points if RECEIVER",
+            "tinted_texel if RECEIVER",
+            "tinted_share if RECEIVER",
+            "tinted_share_from_texture if RECEIVER",
         ],
     ),
     ("pack_words", &[], &["fullscreen_vertex", "pack"]),
     (
         "shadow_volume_soft",
-        &["CASTERS", "CLUSTERS", "DEEP", "LONG_LISTS", "ONE_CASTER"],
+        &["CASTERS", "CLUSTERS", "DEEP", "LONG_LISTS", "MASKS", "MASKS_ONLY", "ONE_CASTER"],
         &["soft_vertex", "mark", "sampled"],
     ),
     ("surface_before", &["BASE_COLOR_TEXTURE", "FARTHER", "SECOND_UV"], &["vertex", "before"]),

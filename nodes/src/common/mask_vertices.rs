@@ -1,6 +1,6 @@
-//! Where the vertices of a part with holes are in its texture, and how opaque they are.
+//! Where the vertices of a part with holes or of glass are in its texture, and what their own colour is.
 
-use glam::{DVec2, DVec3, Vec2};
+use glam::{DVec2, DVec3, DVec4, Vec2};
 use shadowgraph_engine::scene::{Instance, TexCoord, TextureRef};
 
 /// The vertices of an instance, as a texture of one of its materials is laid over them.
@@ -26,6 +26,11 @@ impl<'a> MaskVertices<'a> {
     pub fn uv(&self, vertex: u32) -> DVec2 {
         let uv = self.uvs.get(vertex as usize).copied().unwrap_or_default().as_dvec2().extend(1.0);
         DVec2::new(self.rows[0].dot(uv), self.rows[1].dot(uv))
+    }
+
+    /// Its colour: linear red, green and blue, and alpha, 0 to 1.
+    pub fn color(&self, vertex: u32) -> DVec4 {
+        DVec4::from_array(self.instance.mesh.color8(vertex).map(|byte| f64::from(byte) / 255.0))
     }
 
     /// The alpha of its colour, 0 to 1.

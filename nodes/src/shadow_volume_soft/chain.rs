@@ -21,6 +21,7 @@ use glam::{DVec3, DVec4, Vec3};
 use shadowgraph_engine::math::{Aabb, facing_sign};
 use shadowgraph_engine::scene::Instance;
 
+use super::masks::{MaskedTriangle, masked_triangles};
 use super::stretched::Stretched;
 use crate::common::beside_light::{distance_to_segment, distance_to_triangle};
 use crate::common::volume::{CastShape, Half};
@@ -93,8 +94,8 @@ impl LightBall {
         if height > 0.0 { 1 } else { -1 }
     }
 
-    /// Whether the light is beside a caster within `bounds`, and within which distance triangles are asked one by one.
-    fn beside(&self, triangles: &[[u32; 3]], in_world: &[DVec3], bounds: &Aabb) -> (bool, f64) {
+    /// Whether the light is beside a caster of these triangles within `bounds`, and within which distance they are asked one by one.
+    fn is_beside(&self, mut triangles: impl Iterator<Item = [DVec3; 3]>, bounds: &Aabb) -> (bool, f64) {
         let radius_m = bounds.radius();
         let near_m = NEAR * self.radius;
         let is_small = self.radius < BESIDE * radius_m;
@@ -102,9 +103,7 @@ impl LightBall {
         // Most lights are far from all of it: no triangle need be asked.
         let is_beside = self.position.w > 0.0
             && bounds.distance(self.position.truncate()) < limit_m
-            && triangles.iter().any(|corners| {
-                self.distance_to_triangle(corners.map(|vertex| in_world[vertex as usize])) < limit_m
-            });
+            && triangles.any(|corners| self.distance_to_triangle(corners) < limit_m);
         (is_beside, if is_beside { near_m.max(limit_m) } else { near_m })
     }
 
@@ -219,6 +218,8 @@ pub(super) struct CasterChain {
     pub triangles: Vec<ChainTriangle>,
     /// The edges of those that are not near, where these can be silhouettes.
     pub edges: Vec<ChainEdge>,
+    /// The triangles with holes, which are in no chain.
+    pub masked: Vec<MaskedTriangle>,
     /// Whether the light is beside the caster.
     pub beside: bool,
 }
@@ -238,6 +239,16 @@ struct Face {
 }
 
 impl CasterChain {
+    /// The triangles with holes of `instance`; `whole` is the chain of its others, if it has any.
+    pub(super) fn with_masks(instance: &Instance, light: &LightBall, whole: Option<Self>) -> Self {
+        let mut chain =
+            whole.unwrap_or_else(|| Self { center: instance.world_bounds.center(), ..Self::default() });
+        chain.masked = masked_triangles(instance, light, chain.center);
+        let corners = chain.masked.iter().map(|masked| masked.triangle.corners);
+        chain.beside |= light.is_beside(corners, &instance.world_bounds).0;
+        chain
+    }
+
     /// The chain of `instance` with the triangles of `shape`, for `light`. `half` says which of its triangles, `stretched`
     /// whether and where they are cut.
     pub(super) fn new(
@@ -259,12 +270,14 @@ impl CasterChain {
             }
             _ => None,
         };
-        let (beside, near_m) = light.beside(topology.triangles(), &in_world, &instance.world_bounds);
+        let corners = |vertices: &[u32; 3]| vertices.map(|vertex| in_world[vertex as usize]);
+        let (beside, near_m) =
+            light.is_beside(topology.triangles().iter().map(corners), &instance.world_bounds);
         let mut chain = Self { center, beside, ..Self::default() };
         let mut faces: Vec<Option<Face>> = Vec::with_capacity(signs.len());
         for (number, (vertices, sign)) in topology.triangles().iter().zip(&signs).enumerate() {
             let orient = orientation.as_ref().map_or(1, |orientation| i32::from(orientation.sign(number)));
-            let corners = vertices.map(|vertex| in_world[vertex as usize]);
+            let corners = corners(vertices);
             let face =
                 if *sign == 0 || orient == 0 { None } else { face(corners, center, orient, (light, near_m)) };
             if let Some(face) = &face {
@@ -278,7 +291,7 @@ impl CasterChain {
                     _ => vec![corners],
                 };
                 chain.triangles.extend(parts.into_iter().map(|corners| {
-                    let (record, beside) = triangle_record(corners, center, face, light, half);
+                    let (record, beside, _) = triangle_record(corners, center, face, light, half);
                     ChainTriangle { record, corners, near: face.near, hides_center, beside }
                 }));
             }
@@ -366,14 +379,27 @@ fn face(corners: [DVec3; 3], center: DVec3, orient: i32, (light, near_m): (&Ligh
     })
 }
 
+/// A triangle that is in no chain and casts from both sides, relative to `center`, and which of its corners are those of its
+/// record; `None` where it has no area.
+pub(super) fn chain_triangle(
+    corners: [DVec3; 3],
+    center: DVec3,
+    light: &LightBall,
+) -> Option<(ChainTriangle, [usize; 3])> {
+    let face = face(corners, center, 1, (light, 0.0))?;
+    let (record, beside, order) = triangle_record(corners, center, &face, light, Half::Both);
+    Some((ChainTriangle { record, corners, near: false, hides_center: false, beside }, order))
+}
+
+/// What shaders read of a triangle, and which of its corners these are.
 fn triangle_record(
     corners: [DVec3; 3],
     center: DVec3,
     face: &Face,
     light: &LightBall,
     half: Half,
-) -> (SoftTriangle, BesideTriangle) {
-    let mut sorted = corners.map(|corner| (rounded(corner - center), corner));
+) -> (SoftTriangle, BesideTriangle, [usize; 3]) {
+    let mut sorted = [0, 1, 2].map(|number| (rounded(corners[number] - center), corners[number], number));
     let mut even = true;
     for (i, j) in [(0, 1), (1, 2), (0, 1)] {
         if sorted[j].0.to_array() < sorted[i].0.to_array() {
@@ -391,7 +417,8 @@ fn triangle_record(
         -1 => CENTER_BEHIND,
         _ => 0,
     };
-    let beside = BesideTriangle::new(sorted.map(|(_, corner)| corner), face.normal, light);
-    let [a, b, c] = sorted.map(|(corner, _)| corner.to_array());
-    (SoftTriangle { a, caster: 0, b, bits, c, pad_0: 0, plane: face.plane }, beside)
+    let beside = BesideTriangle::new(sorted.map(|(_, corner, _)| corner), face.normal, light);
+    let [a, b, c] = sorted.map(|(corner, _, _)| corner.to_array());
+    let record = SoftTriangle { a, caster: 0, b, bits, c, pad_0: 0, plane: face.plane };
+    (record, beside, sorted.map(|(_, _, number)| number))
 }

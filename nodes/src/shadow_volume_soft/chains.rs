@@ -4,10 +4,12 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable, cast_slice};
 use glam::DVec3;
+use shadowgraph_engine::scene::{Image, ImageKey};
 
 use super::chain::{BesideTriangle, CasterChain, SoftEdge, SoftTriangle};
 use super::clusters::clusters;
 use super::lists::{ListedEdge, SoftGrid};
+use super::masks::{MaskedTriangle, Masks};
 use super::near_light_triangles::near_lists;
 
 /// `struct SoftCluster` of soft_near.wgsl.
@@ -38,6 +40,8 @@ pub(super) struct Chains {
     pub(super) edge_count: usize,
     pub(super) triangle_count: usize,
     pub(super) longest_lists: [usize; 2],
+    /// Of triangles with holes, which come last; `None` where there are none.
+    pub(super) masks: Option<Masks>,
     pub(super) grid: SoftGrid,
     pub(super) centers: Vec<DVec3>,
 }
@@ -93,10 +97,15 @@ impl Clustered {
 
 impl Chains {
     /// Of all `casters`, listed over `grid`.
-    pub(super) fn new<'a>(grid: SoftGrid, casters: impl Iterator<Item = &'a CasterChain>) -> Self {
+    pub(super) fn new<'a>(
+        mut grid: SoftGrid,
+        casters: impl Iterator<Item = &'a CasterChain>,
+        images: &dyn Fn(ImageKey) -> Option<Arc<Image>>,
+    ) -> Self {
         let mut edges: Vec<SoftEdge> = Vec::new();
         let mut listed_edges: Vec<ListedEdge> = Vec::new();
         let (mut near, mut far) = (Clustered::default(), Clustered::default());
+        let mut masked: Vec<MaskedTriangle> = Vec::new();
         let mut is_beside = false;
         let mut centers = Vec::new();
         for (caster, chain) in (0..).zip(casters) {
@@ -108,7 +117,12 @@ impl Chains {
             listed_edges.extend(listed.map(|(ends, record)| ListedEdge { ends, record, center }));
             near.add(caster, chain, true);
             far.add(caster, chain, false);
+            masked.extend(chain.masked.iter().cloned().map(|mut masked| {
+                masked.triangle.record.caster = caster;
+                masked
+            }));
         }
+        grid.place_slices(&listed_edges, &masked);
         let (ball, near_clusters) = (grid.light, near.clusters.len());
         // Near triangles come first, and are in lists of their own.
         let far_numbers = near.records.len() as u32..;
@@ -131,6 +145,14 @@ impl Chains {
         }
         let mut all = near;
         all.append(far);
+        let masks = (!masked.is_empty()).then(|| {
+            let (mut masks, of_cells) = Masks::new(&grid, &masked, all.records.len(), images);
+            masks.lists = lists.len();
+            append_lists(&mut lists, &of_cells);
+            all.records.extend(masked.iter().map(|masked| masked.triangle.record));
+            all.beside.extend(masked.iter().map(|masked| masked.triangle.beside));
+            masks
+        });
         let bytes = |bytes: &[u8]| Arc::new(bytes.to_vec());
         Self {
             edges: bytes(cast_slice(&edges)),
@@ -144,6 +166,7 @@ impl Chains {
             edge_count,
             triangle_count: all.records.len(),
             longest_lists,
+            masks,
             grid,
             centers,
         }

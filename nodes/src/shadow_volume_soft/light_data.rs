@@ -6,12 +6,13 @@ use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use glam::DVec3;
 use shadowgraph_engine::math::{Aabb, Projection};
 use shadowgraph_engine::plan::BufferDesc;
-use shadowgraph_engine::scene::Instance;
+use shadowgraph_engine::scene::{ImageKey, Instance, Material};
 use shadowgraph_engine::shadow::{Binding, LightContext, PassList, ShadowError, hash_of};
 
 use super::chain::{CasterChain, LightBall};
 use super::chains::{Chains, SoftCluster};
 use super::lists::SoftGrid;
+use super::masks::masks_key;
 use super::packed::packed;
 use super::slices::{LARGEST_DISC, MAX_SLICES, eye_distance};
 use super::stretched::Stretched;
@@ -41,6 +42,10 @@ pub(super) struct SoftHead {
     pub triangle_side: u32,
     pub triangle_lists: u32,
     pub near_lists: u32,
+    pub masked_lists: u32,
+    pub masked_side: u32,
+    pub first_masked: u32,
+    pub end_masked: u32,
     pub pad_0: u32,
     pub pad_1: u32,
     pub pad_2: u32,
@@ -57,8 +62,20 @@ pub fn layouts() -> [(&'static str, Layout); 2] {
     let cluster = fields!(SoftCluster: center, radius_m, first, end, caster, pad_0);
     let head = fields!(SoftHead:
         world_x, plane_count, world_y, side, world_z, slice_count, light, origin, radius,
-        near_clusters, cluster_count, triangle_side, triangle_lists, near_lists, pad_0, pad_1, pad_2, slice_ends, center, plane);
+        near_clusters, cluster_count, triangle_side, triangle_lists, near_lists,
+        masked_lists, masked_side, first_masked, end_masked, pad_0, pad_1, pad_2, slice_ends, center, plane);
     [("SoftCluster", (cluster, size_of::<SoftCluster>())), ("SoftHead", (head, size_of::<SoftHead>()))]
+}
+
+/// Which parts of casters are gathered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Parts {
+    /// All.
+    All,
+    /// Those without holes.
+    Whole,
+    /// Those with holes.
+    Masked,
 }
 
 /// What the shaders read of a light and its casters.
@@ -71,6 +88,8 @@ pub(super) struct LightData {
     pub(super) clusters: bool,
     /// Whether the light is beside some caster: triangles as it sees them are bound then, as 8.
     pub(super) beside: bool,
+    /// Bindings 9 to 11 of masks, if there are any.
+    pub(super) masks: Vec<(u32, Binding)>,
     /// Whether receivers are transparent surfaces: they have no horizon.
     pub(super) on_layer: bool,
     /// How many casters there are.
@@ -96,44 +115,32 @@ impl LightData {
 }
 
 impl ShadowVolumeSoft {
-    /// Gathers what casts for this light. Without casters, what is left is the light itself, which surfaces still see
+    /// Gathers what casts for this light, of it those parts that are wanted. Without casters, what is left is the light itself, which surfaces still see
     /// partly beyond their horizon.
     pub(super) fn light_data(
         &self,
         light: &LightContext<'_>,
         out: &mut PassList<'_>,
+        wanted: Parts,
     ) -> Result<LightData, ShadowError> {
         let ball = self.ball(light);
         let mut left_out = Vec::new();
         let mut chains: Vec<(Arc<CasterChain>, u64)> = Vec::new();
         let mut bounds = Aabb::EMPTY;
         for (_, instance) in light.casters() {
-            if instance.materials.iter().any(|material| material.casts_by_texel()) {
-                return Err(light.unsupported(format!(
-                    "'{}' has alpha-masked parts, and lights with a size see no holes in casters (accepted for them: \
-                     radius=0, angle=0)",
-                    instance.name
-                )));
-            }
-            let whole: Vec<bool> = instance.materials.iter().map(|material| material.casts_whole()).collect();
-            if !whole.contains(&true) {
+            let has =
+                |casts: fn(&Material) -> bool| instance.materials.iter().any(|material| casts(material));
+            let has_whole = wanted != Parts::Masked && has(Material::casts_whole);
+            let has_masked = wanted != Parts::Whole && has(Material::casts_by_texel);
+            if !has_whole && !has_masked {
                 continue;
             }
             if let Err(reason) = self.may_matter(light, &ball, instance) {
                 left_out.push((instance, reason));
                 continue;
             }
-            let shape = self.hard().cast_shape(light, instance)?;
-            let half = self.half(light, &ball, instance, &shape)?;
-            let ball_bits = [ball.position.x, ball.position.y, ball.position.z, ball.position.w, ball.radius];
-            let stretched = Stretched::of(light, instance);
-            let cut_about = stretched.map(|stretched| stretched.center.to_array().map(f64::to_bits));
-            let bits = ball_bits.map(f64::to_bits);
-            let key = hash_of((instance.pose_key, bits, half, self.closure, &whole, cut_about));
-            let chain = light.cache.get_or_compute("soft chain", key, || {
-                CasterChain::new(instance, &shape, &ball, half, stretched.as_ref())
-            });
-            if chain.triangles.is_empty() {
+            let (chain, key) = self.caster_chain(light, &ball, instance, [has_whole, has_masked])?;
+            if chain.triangles.is_empty() && chain.masked.is_empty() {
                 left_out.push((instance, "has no triangle with an area"));
                 continue;
             }
@@ -153,16 +160,56 @@ impl ShadowVolumeSoft {
             Projection::Perspective { .. } => 0.0,
         };
         let eye_m = eye_distance(camera.world_from_view.translation, &bounds, depths_m);
+        let worn: Vec<usize> = chains
+            .iter()
+            .flat_map(|(chain, _)| chain.masked.iter().filter_map(|masked| masked.image))
+            .filter_map(|image| light.snapshot.images.get(&image))
+            .map(|image| Arc::as_ptr(image) as usize)
+            .collect();
         let key = hash_of((
             &keys,
+            worn,
             [receivers.min, receivers.max].map(|corner| corner.to_array().map(f64::to_bits)),
             eye_m.to_bits(),
         ));
         let data = light.cache.get_or_compute("soft chains", key, || {
             let grid = SoftGrid::new(ball, &bounds, &receivers, eye_m);
-            Chains::new(grid, chains.iter().map(|(chain, _)| chain.as_ref()))
+            let images = |image: ImageKey| light.snapshot.images.get(&image).cloned();
+            Chains::new(grid, chains.iter().map(|(chain, _)| chain.as_ref()), &images)
         });
         self.bind(light, out, Some((&data, key)))
+    }
+
+    /// The chain of a caster, and its key, with its whole parts and those with holes where these are wanted.
+    fn caster_chain(
+        &self,
+        light: &LightContext<'_>,
+        ball: &LightBall,
+        instance: &Instance,
+        [whole, masked]: [bool; 2],
+    ) -> Result<(Arc<CasterChain>, u64), ShadowError> {
+        let ball_bits = [ball.position.x, ball.position.y, ball.position.z, ball.position.w, ball.radius];
+        let mut key = hash_of((instance.pose_key, ball_bits.map(f64::to_bits)));
+        let mut shape = None;
+        if whole {
+            let cast = self.hard().cast_shape(light, instance)?;
+            let half = self.half(light, ball, instance, &cast)?;
+            let stretched = Stretched::of(light, instance);
+            let cut_about = stretched.map(|stretched| stretched.center.to_array().map(f64::to_bits));
+            let parts: Vec<bool> = instance.materials.iter().map(|material| material.casts_whole()).collect();
+            key = hash_of((key, half, self.closure, parts, cut_about));
+            shape = Some((cast, half, stretched));
+        }
+        if masked {
+            key = hash_of((key, masks_key(instance)));
+        }
+        let chain = light.cache.get_or_compute("soft chain", key, || {
+            let whole = shape.as_ref().map(|(shape, half, stretched)| {
+                CasterChain::new(instance, shape, ball, *half, stretched.as_ref())
+            });
+            if masked { CasterChain::with_masks(instance, ball, whole) } else { whole.unwrap_or_default() }
+        });
+        Ok((chain, key))
     }
 
     /// The light as a ball that holds every disc it is seen as from further away than two radii.
@@ -298,6 +345,9 @@ impl ShadowVolumeSoft {
                 let packed = packed(light, out, &name, (slot, chains.beside.len()), Some(key))?;
                 bindings.push((8, Binding::Texture(packed)));
             }
+            if let Some(masks) = &chains.masks {
+                data.masks = masks.bind(light, out, key, self.samples)?;
+            }
             data.casters = chains.centers.len();
             data.edges = chains.edge_count;
             data.longest_lists = chains.longest_lists;
@@ -353,6 +403,10 @@ impl ShadowVolumeSoft {
             triangle_side: *triangle_side as u32,
             triangle_lists: chains.grid.edge_lists() as u32 + 1,
             near_lists: chains.near_lists as u32,
+            masked_lists: chains.masks.as_ref().map_or(0, |masks| masks.lists as u32),
+            masked_side: chains.masks.as_ref().map_or(0, |masks| masks.side as u32),
+            first_masked: chains.masks.as_ref().map_or(0, |masks| masks.first as u32),
+            end_masked: chains.masks.as_ref().map_or(0, |masks| (masks.first + masks.count) as u32),
             ..head
         }
     }

@@ -20,17 +20,17 @@ use super::silhouette_culling::{EdgeSides, Piece};
 use super::slices::Distances;
 
 /// By how much of a cell footprints are enlarged on every side.
-const CELL_MARGIN: f64 = 0.01;
+pub(super) const CELL_MARGIN: f64 = 0.01;
 /// The most cells along a side, for edges and for triangles.
 const FINEST: usize = 256;
 const FINEST_OF_TRIANGLES: usize = 512;
 /// The most words of lists, for edges and for triangles each: so many for each of them, but no fewer than the least and no more than
 /// the most, which every adapter can bind.
-const LEAST_WORDS: usize = 1 << 21;
+pub(super) const LEAST_WORDS: usize = 1 << 21;
 const WORDS_PER_PRIMITIVE: usize = 64;
-const MOST_WORDS: usize = 1 << 24;
+pub(super) const MOST_WORDS: usize = 1 << 24;
 /// How many edges, or triangles, are sampled to estimate the words that all of them take.
-const SOME: usize = 256;
+pub(super) const SOME: usize = 256;
 
 /// What the light's centre looks through, and how far.
 #[derive(Clone, Debug)]
@@ -246,7 +246,6 @@ impl SoftGrid {
         edges: &[ListedEdge],
         triangles: &[(u32, [DVec3; 3])],
     ) -> (Self, Vec<u32>, [usize; 2]) {
-        self.place_slices(edges);
         let budget = |primitives: usize| (primitives * WORDS_PER_PRIMITIVE).clamp(LEAST_WORDS, MOST_WORDS);
         // How many words finer cells would take is estimated from some of the edges and triangles.
         let some = edges.iter().step_by(edges.len().div_ceil(SOME).max(1));

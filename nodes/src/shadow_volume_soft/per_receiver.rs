@@ -16,13 +16,13 @@
 //! *Limits.* Areas add up: where the images of two casters, or of two layers of one, overlap on the disc, it is too dark,
 //! by as much as they overlap (two boards one behind the other: all of the half they both leave). What is
 //! dark as a whole stays dark, and what is lit stays lit. Open casters count every layer. Receivers nearer to the
-//! light than two of its radii ask all triangles.
+//! light than two of its radii ask all triangles. Parts with holes are asked sample by sample, see `masks`.
 
 use shadowgraph_engine::plan::Shader;
 use shadowgraph_engine::shadow::{Contribution, LightContext, PassList, ShadowError};
 
 use super::ShadowVolumeSoft;
-use super::light_data::LightData;
+use super::light_data::{LightData, Parts};
 use super::penumbra_mask::mark_and_ask;
 
 impl ShadowVolumeSoft {
@@ -31,8 +31,8 @@ impl ShadowVolumeSoft {
         light: &LightContext<'_>,
         out: &mut PassList<'_>,
     ) -> Result<Contribution, ShadowError> {
-        let data = self.light_data(light, out)?;
-        ask(light, out, data)
+        let data = self.light_data(light, out, Parts::Whole)?;
+        Ok(ask(light, out, data)?.and(self.plan_masks(light, out)?))
     }
 
     /// Adds what receivers see of the light beyond their horizon, whatever casts: nothing to ask of transparent surfaces, which

@@ -6,10 +6,11 @@
 
 use glam::Vec2;
 use shadowgraph_engine::plan::{Shader, ShaderError};
+use shadowgraph_engine::scene::Instance;
 use shadowgraph_engine::shadow::{Contribution, LightContext, PassList, ShadowError, light_samples};
 
 use super::ShadowVolumeSoft;
-use super::light_data::LightData;
+use super::light_data::{LightData, Parts};
 use super::penumbra_mask::mark_and_ask;
 
 impl ShadowVolumeSoft {
@@ -18,10 +19,38 @@ impl ShadowVolumeSoft {
         light: &LightContext<'_>,
         out: &mut PassList<'_>,
     ) -> Result<Contribution, ShadowError> {
-        let data = self.light_data(light, out)?;
+        let data = self.light_data(light, out, Parts::All)?;
+        self.ask_samples(light, out, data, false)
+    }
+
+    /// Adds what parts with holes leave of the light that other passes do.
+    pub(super) fn plan_masks(
+        &self,
+        light: &LightContext<'_>,
+        out: &mut PassList<'_>,
+    ) -> Result<Contribution, ShadowError> {
+        let has_masks = |instance: &Instance| instance.materials.iter().any(|m| m.casts_by_texel());
+        if !light.casters().any(|(_, instance)| has_masks(instance)) {
+            return Ok(Contribution::default());
+        }
+        let data = self.light_data(light, out, Parts::Masked)?;
+        if data.masks.is_empty() {
+            return Ok(Contribution::default());
+        }
+        self.ask_samples(light, out, data, true)
+    }
+
+    fn ask_samples(
+        &self,
+        light: &LightContext<'_>,
+        out: &mut PassList<'_>,
+        data: LightData,
+        masks_only: bool,
+    ) -> Result<Contribution, ShadowError> {
         // In each round the pixels that are drawn together, eight say, find their edges in turns, and count them in others.
         let long_lists = data.has_long_lists(9 * self.samples.div_ceil(64) as usize);
-        let LightData { bindings, clusters, beside, on_layer, casters, edges, triangles, .. } = data;
+        let LightData { mut bindings, clusters, beside, on_layer, masks, casters, edges, triangles, .. } =
+            data;
         if light.view.receiver_bounds.is_empty() {
             return Ok(Contribution::default());
         }
@@ -34,7 +63,10 @@ impl ShadowVolumeSoft {
             ("ONE_CASTER", casters == 1),
             ("DEEP", triangles >= 1 << 16),
             ("LONG_LISTS", long_lists),
+            ("MASKS", !masks.is_empty()),
+            ("MASKS_ONLY", masks_only),
         ];
+        bindings.extend(masks);
         let flags: Vec<&str> = wanted.iter().filter(|(_, wanted)| *wanted).map(|(flag, _)| *flag).collect();
         let shader = |fragment| shader(self.samples, &flags, fragment);
         let shaders = [shader("mark")?, shader("sampled")?];

@@ -5,6 +5,7 @@ use glam::DVec3;
 use shadowgraph_engine::math::Aabb;
 
 use super::lists::{ListedEdge, SoftGrid};
+use super::masks::MaskedTriangle;
 
 /// Half an ulp of 1 in f32: what one rounding loses at most.
 const HALF_ULP: f64 = 1.0 / (1 << 24) as f64;
@@ -54,10 +55,12 @@ impl Distances {
 
 impl SoftGrid {
     /// Places the ends of slices: the last is where it is.
-    pub(super) fn place_slices(&mut self, edges: &[ListedEdge]) {
+    pub(super) fn place_slices(&mut self, edges: &[ListedEdge], masked: &[MaskedTriangle]) {
         let Some(farthest) = self.slice_ends.last().copied() else { return };
         // What few edges are nearer than most is not worth slices.
-        let mut nearest: Vec<f64> = edges.iter().map(|edge| self.nearest(edge.ends)).collect();
+        let of_edges = edges.iter().map(|edge| self.nearest(edge.ends));
+        let of_masked = masked.iter().map(|masked| self.nearest_of_triangle(masked.triangle.corners));
+        let mut nearest: Vec<f64> = of_edges.chain(of_masked).collect();
         let few = nearest.len() / 32;
         if nearest.is_empty() {
             return;
@@ -133,6 +136,15 @@ impl SoftGrid {
             return (a - plane.origin).dot(plane.away).min((b - plane.origin).dot(plane.away));
         }
         self.light.distance_to_segment(a, b)
+    }
+
+    /// The same of a triangle.
+    pub(super) fn nearest_of_triangle(&self, corners: [DVec3; 3]) -> f64 {
+        let [a, b, c] = corners;
+        if self.light.position.w == 0.0 {
+            return self.nearest([a, b]).min(self.nearest([b, c]));
+        }
+        self.light.distance_to_triangle(corners)
     }
 
     /// How far a triangle may be from a light at most where it is nearest: as far as its nearest corner.

@@ -33,7 +33,6 @@ use shadowgraph_engine::plan::{
     BlendComponent, BlendFactor, BlendOperation, BlendState, BufferDesc, CompareFunction, DrawState, Load,
     MULTIPLY, Resource, Shader, ShaderError,
 };
-use shadowgraph_engine::scene::Instance;
 use shadowgraph_engine::shadow::{
     Binding, Channels, ColorTarget, Contribution, DepthTarget, Draw, Geometry, LightContext, LightSize, Pass,
     PassList, ShadowError, hash_of,
@@ -101,19 +100,11 @@ impl ShadowVolumeSoft {
         light: &LightContext<'_>,
         out: &mut PassList<'_>,
     ) -> Result<Contribution, ShadowError> {
-        let masked =
-            |instance: &Instance| instance.materials.iter().any(|material| material.casts_by_texel());
-        if let Some((_, instance)) = light.casters().find(|(_, instance)| masked(instance)) {
-            return Err(light.unsupported(format!(
-                "'{}' has alpha-masked parts, and areas know no holes (accepted for them: radius=0, angle=0)",
-                instance.name
-            )));
-        }
         let shares = match self.hard().count_layers(light, out)? {
             Some(layers) => add_shares(light, out, &layers, self.size())?,
             None => Contribution::default(),
         };
-        Ok(shares.and(self.plan_horizon(light, out)?))
+        Ok(shares.and(self.plan_horizon(light, out)?).and(self.plan_masks(light, out)?))
     }
 }
 

@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 use shadowgraph_engine::scene::Instance;
 
 use super::receivers::Flat;
@@ -16,7 +16,7 @@ use crate::common::mask_vertices::MaskVertices;
 pub(super) struct Vertex {
     pub(super) p_in_world: DVec3,
     pub(super) uv: DVec2,
-    pub(super) alpha: f64,
+    pub(super) color: DVec4,
 }
 
 /// One material's triangles of one caster, above a plane.
@@ -35,7 +35,7 @@ impl AbovePlane {
         let vertex = |vertex: u32| Vertex {
             p_in_world: instance.world_position(vertex),
             uv: worn.uv(vertex),
-            alpha: worn.alpha(vertex),
+            color: worn.color(vertex),
         };
         let mut above = Self::default();
         let mut known: HashMap<(u32, u32), u32> = HashMap::new();
@@ -61,7 +61,7 @@ impl AbovePlane {
                         Vertex {
                             p_in_world: a.p_in_world.lerp(b.p_in_world, share),
                             uv: a.uv.lerp(b.uv, share),
-                            alpha: a.alpha + (b.alpha - a.alpha) * share,
+                            color: a.color.lerp(b.color, share),
                         }
                     }));
                 }

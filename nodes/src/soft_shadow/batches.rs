@@ -6,10 +6,10 @@ use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use glam::{DVec3, DVec4};
 use shadowgraph_engine::math::{Aabb, facing_sign};
 use shadowgraph_engine::plan::{BufferDesc, Resource};
-use shadowgraph_engine::scene::{ImageKey, Material};
+use shadowgraph_engine::scene::{AlphaMode, ImageKey, Material};
 use shadowgraph_engine::shadow::{LightContext, PassList, hash_of};
 
-use super::above_plane::AbovePlane;
+use super::above_plane::{AbovePlane, Vertex};
 use super::points::LightPoints;
 use super::receivers::Receiver;
 
@@ -37,12 +37,53 @@ pub struct MaskedCorner {
     pub pad_2: u32,
 }
 
+/// `struct GlassCorner` of soft_shadow.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[allow(missing_docs, reason = "documented where the shader reads them")]
+pub(super) struct GlassCorner {
+    pub position: [f32; 3],
+    pub caster: u32,
+    pub color: [f32; 4],
+    pub base_color: [f32; 4],
+    pub uv: [f32; 2],
+    pub cutoff: f32,
+    pub transmission: f32,
+    pub alpha_mode: u32,
+    pub reading: u32,
+    pub pad_0: u32,
+    pub pad_1: u32,
+}
+
+/// What triangles do to light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Kind {
+    /// They stop it.
+    Whole,
+    /// They stop it where they have no holes.
+    Masked,
+    /// They tint it.
+    Glass,
+}
+
+impl Kind {
+    /// That of a material's surfaces, if these cast.
+    pub(super) fn of(material: &Material) -> Option<Self> {
+        let kinds = [
+            (Self::Whole, material.casts_whole()),
+            (Self::Masked, material.casts_by_texel()),
+            (Self::Glass, material.is_transparent()),
+        ];
+        kinds.into_iter().find(|(_, is)| *is).map(|(kind, _)| kind)
+    }
+}
+
 /// Triangles that one draw flattens.
 #[derive(Clone, Debug)]
 pub(super) struct Batch {
-    /// Whether they have holes.
-    pub(super) masked: bool,
-    /// What the holes are looked up in.
+    /// What they do to light.
+    pub(super) kind: Kind,
+    /// What holes or colours are looked up in.
     pub(super) image: Option<Resource>,
     /// Their corners.
     pub(super) corners: Resource,
@@ -74,17 +115,68 @@ pub(super) struct Run {
 }
 
 impl Run {
-    /// What of the material is in the corners: alpha, cutoff, and how its texture is read.
-    fn material_bits(&self) -> (u32, u32, u32) {
-        let reading = self.material.base_color_texture.map_or(0, |texture| texture.reading_bits());
-        let cutoff = self.material.cutoff().unwrap_or_default();
-        (self.material.base_color.w.to_bits(), cutoff.to_bits(), reading)
+    /// What of the material is in the corners: colour, how alpha counts, transmission, and how its texture is read.
+    fn material_bits(&self) -> ([u32; 4], (u32, u32), u32, u32) {
+        let material = &self.material;
+        let (alpha_mode, cutoff) = alpha_of(material);
+        let color = material.base_color.to_array().map(f32::to_bits);
+        (color, (alpha_mode, cutoff.to_bits()), material.transmission.to_bits(), self.reading())
+    }
+
+    fn reading(&self) -> u32 {
+        self.material.base_color_texture.map_or(0, |texture| texture.reading_bits())
+    }
+
+    /// The corner of a triangle, as the shader has it for this kind.
+    fn corner(&self, kind: Kind, vertex: &Vertex) -> Vec<u8> {
+        let (material, caster) = (&self.material, self.caster);
+        let position = (vertex.p_in_world - self.center).as_vec3().to_array();
+        let (uv, reading) = (vertex.uv.as_vec2().to_array(), self.reading());
+        let (alpha_mode, cutoff) = alpha_of(material);
+        match kind {
+            Kind::Whole => bytes_of(&Corner { position, caster }).to_vec(),
+            Kind::Masked => {
+                let alpha = material.base_color.w * vertex.color.w as f32;
+                bytes_of(&MaskedCorner {
+                    position,
+                    caster,
+                    uv,
+                    alpha,
+                    cutoff,
+                    reading,
+                    ..MaskedCorner::default()
+                })
+                .to_vec()
+            }
+            Kind::Glass => bytes_of(&GlassCorner {
+                position,
+                caster,
+                color: vertex.color.as_vec4().to_array(),
+                base_color: material.base_color.to_array(),
+                uv,
+                cutoff,
+                transmission: material.transmission,
+                alpha_mode,
+                reading,
+                ..GlassCorner::default()
+            })
+            .to_vec(),
+        }
     }
 }
 
-/// Parts of casters that one draw can flatten: all with holes looked up in one image, or all without.
+/// How alpha counts, as shaders know it, and the cutoff of masks.
+fn alpha_of(material: &Material) -> (u32, f32) {
+    match material.alpha_mode {
+        AlphaMode::Opaque => (0, 0.0),
+        AlphaMode::Mask { cutoff } => (1, cutoff),
+        AlphaMode::Blend => (2, 0.0),
+    }
+}
+
+/// Parts of casters that one draw can flatten: all of one kind, looked up in one image or in none.
 pub(super) struct Runs {
-    pub(super) masked: bool,
+    pub(super) kind: Kind,
     pub(super) image: Option<ImageKey>,
     pub(super) runs: Vec<Run>,
 }
@@ -98,7 +190,7 @@ impl Runs {
         receiver: &Receiver,
         points: &LightPoints,
     ) -> (Batch, u64) {
-        let Self { masked, image, runs } = self;
+        let Self { kind, image, runs } = self;
         let keys: Vec<_> = runs.iter().map(|run| (run.caster, run.key, run.material_bits())).collect();
         // Only a point within a caster's bounds may lie on one of its triangles.
         let near: Vec<usize> = (0..points.positions.len())
@@ -109,14 +201,18 @@ impl Runs {
             .collect();
         let bits_of = |number: &usize| points.positions[*number].to_array().map(f64::to_bits);
         let near_bits: Vec<_> = near.iter().map(|number| (number, bits_of(number))).collect();
-        let key = hash_of(("flattened", masked, image, keys, points.positions.len(), near_bits));
+        let key = hash_of(("flattened", kind, image, keys, points.positions.len(), near_bits));
         let bytes = light.cache.get_or_compute("flattened", key, || self.bytes(points, &near));
         let BatchBytes { corners, indices, runs } = &*bytes;
         let triangles = runs.iter().map(|(_, count)| count / 3).max().unwrap_or_default();
         let name = &receiver.name;
-        let what = if *masked { "masked casters" } else { "casters" };
+        let what = match kind {
+            Kind::Whole => "casters",
+            Kind::Masked => "masked casters",
+            Kind::Glass => "glass",
+        };
+        let image = image.map(|image| out.image(image, "looked up where light would pass"));
         let reason = format!("{triangles} triangles above '{name}'");
-        let image = image.map(|image| out.image(image, "holes are looked up where light would pass"));
         let (corners_name, indices_name) =
             (format!("{what} over {name}"), format!("triangles of {what} over {name}"));
         let corners =
@@ -124,7 +220,7 @@ impl Runs {
         let indices =
             BufferDesc::index(&indices_name, hash_of((key, "indices")), Arc::clone(indices), &reason);
         let (corners, indices) = (out.buffer(corners), out.buffer(indices));
-        (Batch { masked: *masked, image, corners, indices, runs: runs.clone() }, key)
+        (Batch { kind: *kind, image, corners, indices, runs: runs.clone() }, key)
     }
 
     /// Corners and indices; for the points that are `near` some caster, indices of their own.
@@ -132,24 +228,8 @@ impl Runs {
         let (mut corners, mut indices) = (Vec::new(), Vec::new());
         let mut first = 0;
         for run in &self.runs {
-            let Run { above, material, caster, center, .. } = run;
-            let (_, _, reading) = run.material_bits();
-            for vertex in &above.vertices {
-                let position = (vertex.p_in_world - *center).as_vec3().to_array();
-                if self.masked {
-                    corners.extend_from_slice(bytes_of(&MaskedCorner {
-                        position,
-                        caster: *caster,
-                        uv: vertex.uv.as_vec2().to_array(),
-                        alpha: material.base_color.w * vertex.alpha as f32,
-                        cutoff: material.cutoff().unwrap_or_default(),
-                        reading,
-                        ..MaskedCorner::default()
-                    }));
-                } else {
-                    corners.extend_from_slice(bytes_of(&Corner { position, caster: *caster }));
-                }
-            }
+            let above = &run.above;
+            corners.extend(above.vertices.iter().flat_map(|vertex| run.corner(self.kind, vertex)));
             indices.extend(above.indices.iter().map(|index| first + index));
             first += above.vertices.len() as u32;
         }

@@ -47,16 +47,19 @@ macro_rules! fields {
 
 /// Every structure of the shader as it is here, and the flags under which the shader has it: what the layout test
 /// compares.
-pub fn planar_layouts() -> [(&'static str, &'static str, Layout); 3] {
-    use super::batches::MaskedCorner;
+pub fn planar_layouts() -> [(&'static str, &'static str, Layout); 4] {
+    use super::batches::{GlassCorner, MaskedCorner};
     let mut light = fields!(PlanarLight: center, radius_m, count, center_point, half_m);
     light.push(("points", size_of::<PlanarLight>()));
     let texture = fields!(PlanarTexture: x_axis, x_offset, y_axis, y_offset);
     let corner = fields!(MaskedCorner: position, caster, uv, alpha, cutoff, reading, pad_0, pad_1, pad_2);
+    let glass = fields!(GlassCorner:
+        position, caster, color, base_color, uv, cutoff, transmission, alpha_mode, reading, pad_0, pad_1);
     // A runtime-sized array counts as one element.
     [
         ("RECEIVER", "PlanarLight", (light, size_of::<PlanarLight>() + size_of::<[f32; 4]>())),
         ("RECEIVER", "PlanarTexture", (texture, size_of::<PlanarTexture>())),
+        ("GLASS", "GlassCorner", (glass, size_of::<GlassCorner>())),
         ("MASKED", "MaskedCorner", (corner, size_of::<MaskedCorner>())),
     ]
 }

@@ -11,7 +11,7 @@ use shadowgraph_engine::scene::{Instance, TexCoord};
 use shadowgraph_engine::shadow::{LightContext, PassList, hash_of};
 
 use super::above_plane::AbovePlane;
-use super::batches::{Batch, Run, Runs};
+use super::batches::{Batch, Kind, Run, Runs};
 use super::points::LightPoints;
 use super::receivers::{Flat, Receiver, height_of};
 
@@ -29,6 +29,16 @@ pub(super) struct Casters {
 }
 
 impl Casters {
+    /// The batches that stop light.
+    pub(super) fn opaque(&self) -> impl Iterator<Item = &Batch> {
+        self.batches.iter().filter(|batch| batch.kind != Kind::Glass)
+    }
+
+    /// The batches that tint light.
+    pub(super) fn glass(&self) -> impl Iterator<Item = &Batch> {
+        self.batches.iter().filter(|batch| batch.kind == Kind::Glass)
+    }
+
     /// The casters that may shadow something of `receiver`; where it is in view only, if `in_picture`.
     pub(super) fn of(
         light: &LightContext<'_>,
@@ -85,11 +95,8 @@ fn add_parts(
     let plane_bits = (plane_bits.map(f64::to_bits), flat.tolerance_m.to_bits());
     let mut casts = false;
     for (part, material) in instance.materials.iter().enumerate() {
-        let masked = material.casts_by_texel();
-        if !material.casts_whole() && !masked {
-            continue;
-        }
-        let texture = material.base_color_texture.filter(|_| masked);
+        let Some(kind) = Kind::of(material) else { continue };
+        let texture = material.base_color_texture.filter(|_| kind != Kind::Whole);
         let reading = texture.map(|texture| {
             let rows = texture.transform.rows().map(|row| row.to_array().map(f32::to_bits));
             (texture.tex_coord == TexCoord::Second, rows)
@@ -109,9 +116,9 @@ fn add_parts(
             center: instance.world_bounds.center(),
             bounds: instance.world_bounds.expanded(1e-9 * instance.world_bounds.radius()),
         };
-        match groups.iter_mut().find(|group| (group.masked, group.image) == (masked, image)) {
+        match groups.iter_mut().find(|group| (group.kind, group.image) == (kind, image)) {
             Some(group) => group.runs.push(run),
-            None => groups.push(Runs { masked, image, runs: vec![run] }),
+            None => groups.push(Runs { kind, image, runs: vec![run] }),
         }
     }
     if casts { Ok(()) } else { Err("lies in the plane or under it") }

@@ -9,7 +9,7 @@ use shadowgraph_engine::shadow::{
     Binding, ColorTarget, DepthTarget, Draw, Geometry, LightContext, Pass, PassList, hash_of,
 };
 
-use super::batches::Batch;
+use super::batches::{Batch, Kind};
 use super::canvas::{Canvas, Targets};
 use super::casters::Casters;
 use super::receivers::Receiver;
@@ -29,7 +29,7 @@ pub(super) fn mark(
 ) -> Result<(), ShaderError> {
     let heights = &lit.heights;
     let matrices = canvas.matrices(light, out, (receiver, lit, casters));
-    let shaders = casters.batches.iter().map(caster_shader).collect::<Result<Vec<_>, _>>()?;
+    let shaders = casters.opaque().map(caster_shader).collect::<Result<Vec<_>, _>>()?;
     let name = light.light().name.clone();
     for (layer, heights) in heights.chunks(POINTS_OF_A_LAYER).enumerate() {
         // All of a texture lies on the receiver's plane; of the picture, what shows it.
@@ -42,7 +42,7 @@ pub(super) fn mark(
         for (place, _) in heights.iter().enumerate().filter(|(_, height)| **height > 0.0) {
             let number = layer * POINTS_OF_A_LAYER + place;
             let first_caster = (number * casters.centers.len()) as u32;
-            let batches = casters.batches.iter().zip(&shaders).filter(|(batch, _)| batch.runs[number].1 > 0);
+            let batches = casters.opaque().zip(&shaders).filter(|(batch, _)| batch.runs[number].1 > 0);
             draws.extend(
                 batches.map(|(batch, shader)| caster_draw(batch, shader, matrices, (number, first_caster))),
             );
@@ -138,22 +138,14 @@ fn texels(
 }
 
 /// Darkens the light's visibility where the receiver is the visible surface.
-fn shade(
+pub(super) fn shade(
     light: &LightContext<'_>,
     out: &mut PassList<'_>,
     receiver: &Receiver,
     (fragment, reason): (&'static str, &str),
     bindings: &[(u32, Binding)],
 ) -> Result<(), ShaderError> {
-    let state = DrawState::new(CompareFunction::Equal, vec![Some(MULTIPLY)]);
-    let poses = receiver.instances.iter().map(|index| light.snapshot.instances[*index].pose_key);
-    let key = hash_of(("overlaps", poses.collect::<Vec<_>>()));
-    let overlaps = *light.cache.get_or_compute("overlaps", key, || receiver.overlaps_itself(light.snapshot));
-    let mut bindings = bindings.to_vec();
-    if overlaps {
-        bindings.push((VISIBLE_TRIANGLES, Binding::Texture(out.visible_triangles())));
-    }
-    let draws = receiver_draws(light, receiver, fragment, &bindings, &state)?;
+    let draws = visible_draws(light, out, receiver, (fragment, MULTIPLY), bindings)?;
     out.pass(Pass {
         name: format!("share of {} on {}", light.light().name, receiver.name),
         reason: reason.into(),
@@ -162,6 +154,25 @@ fn shade(
         draws,
     });
     Ok(())
+}
+
+/// The surfaces of a receiver where they are what is seen, each pixel once.
+pub(super) fn visible_draws(
+    light: &LightContext<'_>,
+    out: &mut PassList<'_>,
+    receiver: &Receiver,
+    (fragment, blend): (&'static str, BlendState),
+    bindings: &[(u32, Binding)],
+) -> Result<Vec<Draw>, ShaderError> {
+    let state = DrawState::new(CompareFunction::Equal, vec![Some(blend)]);
+    let poses = receiver.instances.iter().map(|index| light.snapshot.instances[*index].pose_key);
+    let key = hash_of(("overlaps", poses.collect::<Vec<_>>()));
+    let overlaps = *light.cache.get_or_compute("overlaps", key, || receiver.overlaps_itself(light.snapshot));
+    let mut bindings = bindings.to_vec();
+    if overlaps {
+        bindings.push((VISIBLE_TRIANGLES, Binding::Texture(out.visible_triangles())));
+    }
+    receiver_draws(light, receiver, fragment, &bindings, &state)
 }
 
 /// Marks the receiver's pixels, and clears what other receivers have left.
@@ -221,13 +232,16 @@ fn receiver_draws(
     runs.into_iter().map(draw).collect()
 }
 
-fn caster_shader(batch: &Batch) -> Result<Shader, ShaderError> {
-    let flags: &[&str] = match (batch.masked, batch.image) {
-        (false, _) => &[],
-        (true, None) => &["MASKED"],
-        (true, Some(_)) => &["MASKED", "BASE_COLOR_TEXTURE"],
+/// The shader that marks the shadow of a batch, or tints by its glass.
+pub(super) fn caster_shader(batch: &Batch) -> Result<Shader, ShaderError> {
+    let (kind, fragment) = match batch.kind {
+        Kind::Whole => (None, "mark_shadow"),
+        Kind::Masked => (Some("MASKED"), "mark_shadow"),
+        Kind::Glass => (Some("GLASS"), "tint"),
     };
-    shader(flags, "flatten", "mark_shadow")
+    let texture = batch.image.map(|_| "BASE_COLOR_TEXTURE");
+    let flags: Vec<&str> = kind.into_iter().chain(texture).collect();
+    shader(&flags, "flatten", fragment)
 }
 
 /// The triangles of a batch as point number `number` of the light flattens them.
@@ -238,7 +252,6 @@ fn caster_draw(
     (number, first_caster): (usize, u32),
 ) -> Draw {
     let place = number % POINTS_OF_A_LAYER;
-    let (first, count) = batch.runs[number];
     // Passes where the reference is below what is stored: on the receiver, where this point has not marked yet.
     let face = StencilFaceState {
         compare: CompareFunction::Less,
@@ -250,6 +263,17 @@ fn caster_draw(
     let mut state = DrawState::new(CompareFunction::Always, vec![Some(ADD_CONSTANT)]);
     state.stencil = Some(Stencil { front: face, back: face, read_mask: 0xff, write_mask: 0xff, reference });
     state.blend_constant[place / 8] = f64::from(1_u32 << (place % 8)) / 255.0;
+    flattened((batch, shader), matrices, (number, first_caster), state)
+}
+
+/// The triangles of a batch, flattened from point number `number` of the light.
+pub(super) fn flattened(
+    (batch, shader): (&Batch, &Shader),
+    matrices: Resource,
+    (number, first_caster): (usize, u32),
+    state: DrawState,
+) -> Draw {
+    let (first, count) = batch.runs[number];
     let mut bindings = vec![(0, Binding::Storage(batch.corners)), (1, Binding::Storage(matrices))];
     bindings.extend(batch.image.map(|image| (2, Binding::Texture(image))));
     let (shader, indices) = (shader.clone(), batch.indices);
@@ -268,6 +292,10 @@ const ADD_CONSTANT: BlendState = {
 };
 
 /// A shader of this technique's own.
-fn shader(flags: &[&str], vertex: &'static str, fragment: &'static str) -> Result<Shader, ShaderError> {
+pub(super) fn shader(
+    flags: &[&str],
+    vertex: &'static str,
+    fragment: &'static str,
+) -> Result<Shader, ShaderError> {
     Shader::composed("soft_shadow", flags, vertex, Some(fragment))
 }

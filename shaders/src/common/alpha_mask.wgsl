@@ -17,23 +17,40 @@ fn texel_alpha(image: texture_2d<f32>, texel: vec2i, size: vec2i, reading: u32) 
     return floor(textureLoad(image, place, 0).a * 255.0 + 0.5);
 }
 
-// The alpha of `image` at `uv`, of its full size whatever the distance.
-fn mask_alpha(image: texture_2d<f32>, uv: vec2f, reading: u32) -> f32 {
-    let size = vec2i(textureDimensions(image));
+// Four texels and how they blend: `first`, and its neighbours to the right and below.
+struct BlendedTexels {
+    first: vec2i,
+    // How much the right and the lower ones weigh; 0, 0 where the first has all the weight.
+    weight: vec2f,
+}
+
+// The texels of an image of this size that are read at `uv`.
+fn blended_texels(uv: vec2f, size: vec2i, reading: u32) -> BlendedTexels {
     let place = uv * vec2f(size);
     let blends = (reading & 16u) != 0u;
     let corner = floor(select(place, place - 0.5, blends));
     let weight = select(vec2f(0.0), place - 0.5 - corner, blends);
-    let texel = vec2i(corner);
-    let a = texel_alpha(image, texel, size, reading);
+    return BlendedTexels(vec2i(corner), weight);
+}
+
+// The alpha, 0 to 1, of four texels in 0 … 255: the first, the right one, the lower one, and the one right below.
+fn blended_alpha(texels: vec4f, weight: vec2f) -> f32 {
+    let top = texels.x + (texels.y - texels.x) * weight.x;
+    let bottom = texels.z + (texels.w - texels.z) * weight.x;
+    return (top + (bottom - top) * weight.y) / 255.0;
+}
+
+// The alpha of `image` at `uv`, of its full size whatever the distance.
+fn mask_alpha(image: texture_2d<f32>, uv: vec2f, reading: u32) -> f32 {
+    let size = vec2i(textureDimensions(image));
+    let at = blended_texels(uv, size, reading);
+    let a = texel_alpha(image, at.first, size, reading);
     // All the weight is one texel's.
-    if all(weight == vec2f(0.0)) {
+    if all(at.weight == vec2f(0.0)) {
         return a / 255.0;
     }
-    let b = texel_alpha(image, texel + vec2i(1, 0), size, reading);
-    let c = texel_alpha(image, texel + vec2i(0, 1), size, reading);
-    let d = texel_alpha(image, texel + vec2i(1, 1), size, reading);
-    let top = a + (b - a) * weight.x;
-    let bottom = c + (d - c) * weight.x;
-    return (top + (bottom - top) * weight.y) / 255.0;
+    let b = texel_alpha(image, at.first + vec2i(1, 0), size, reading);
+    let c = texel_alpha(image, at.first + vec2i(0, 1), size, reading);
+    let d = texel_alpha(image, at.first + vec2i(1, 1), size, reading);
+    return blended_alpha(vec4f(a, b, c, d), at.weight);
 }

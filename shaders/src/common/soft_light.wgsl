@@ -44,6 +44,12 @@ struct SoftHead {
     triangle_lists: u32,
     // Where the lists of near triangles begin, by directions from the light's centre; 0 where there are none.
     near_lists: u32,
+    // Triangles with holes: where their lists begin, cells along a side of a plane for them, the first one's number, and after
+    // the last one's.
+    masked_lists: u32,
+    masked_side: u32,
+    first_masked: u32,
+    end_masked: u32,
     pad_0: u32,
     pad_1: u32,
     pad_2: u32,
@@ -75,6 +81,9 @@ struct SoftVaryings {
     @location(11) @interpolate(flat, first) plane_z: vec4f,
     @location(12) @interpolate(flat, first) away: vec3f,
     @location(13) @interpolate(flat, first) center: vec4f,
+#if MASKS
+    @location(14) @interpolate(flat, first) masked: vec4u,
+#endif
 }
 
 // One triangle that covers the whole target, with what every pixel needs to know of the light.
@@ -98,6 +107,9 @@ fn soft_vertex(@builtin(vertex_index) index: u32) -> SoftVaryings {
     out.plane_z = vec4f(s.plane.z_axis, s.plane.z_offset);
     out.away = s.plane.away;
     out.center = s.center;
+#if MASKS
+    out.masked = vec4u(s.masked_lists, s.masked_side, s.first_masked, s.end_masked);
+#endif
     return out;
 }
 
@@ -125,6 +137,12 @@ fn take_light(in: SoftVaryings) {
     soft.plane.z_offset = in.plane_z.w;
     soft.plane.away = in.away;
     soft.center = in.center;
+#if MASKS
+    soft.masked_lists = in.masked.x;
+    soft.masked_side = in.masked.y;
+    soft.first_masked = in.masked.z;
+    soft.end_masked = in.masked.w;
+#endif
 }
 
 @group(1) @binding(6) var receiver_depth: texture_depth_2d;

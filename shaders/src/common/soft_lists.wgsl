@@ -9,7 +9,8 @@ fn packed(words: texture_2d<u32>, texel: u32) -> vec4u {
 }
 
 // Words: for each cell (plane by plane, slice by slice, row by row) where its edges' numbers begin, and after the last cell
-// where they end; the same for triangles, without slices; then the numbers themselves.
+// where they end; the same for triangles, without slices; then the numbers themselves. Behind them the same for triangles near
+// the light, and for those with holes, by slices as edges.
 @group(1) @binding(3) var soft_lists: texture_2d<u32>;
 
 fn list_word(place: u32) -> u32 {
@@ -32,6 +33,11 @@ struct Lists {
     near: CellList,
     // How many clusters to ask, from the first.
     clusters: u32,
+#if MASKS
+    // Triangles with holes, and whether the range is not one of lists but of the triangles' numbers.
+    masked: CellList,
+    masked_by_number: bool,
+#endif
 }
 
 // The receiver's cell on a plane, of `side` cells along a side; nothing is listed where `inside` is false.
@@ -83,10 +89,16 @@ const NEAR_SIDE: u32 = 12u;
 const NEAR_MARGIN: f32 = 1e-3;
 
 fn lists_of(r: Receiver) -> Lists {
-    let none = CellList(0u, 0u);
+    // Nothing is listed where nothing is said.
+    var lists: Lists;
     // Nearer than two radii to the light, all triangles are tested.
     if soft.light.w > 0.0 && r.light_distance < 2.0 * soft.radius {
-        return Lists(none, none, none, soft.cluster_count);
+        lists.clusters = soft.cluster_count;
+#if MASKS
+        lists.masked = CellList(soft.first_masked, soft.end_masked);
+        lists.masked_by_number = true;
+#endif
+        return lists;
     }
     // Near triangles are listed by the direction from the light, where that is known well enough.
     let from_light = on_cube(-r.w);
@@ -94,17 +106,20 @@ fn lists_of(r: Receiver) -> Lists {
     let lost = ROUNDING * (2.0 * length(r.p) + r.light_distance);
     let is_listed = soft.near_lists > 0u && lost < NEAR_MARGIN * r.light_distance;
     let near_list = list_at(soft.near_lists + cell_number(near_cell, near_cell.plane, NEAR_SIDE));
-    let near = CellList(select(0u, near_list.first, is_listed), select(0u, near_list.end, is_listed));
-    let clusters = select(soft.near_clusters, 0u, is_listed);
+    lists.near = CellList(select(0u, near_list.first, is_listed), select(0u, near_list.end, is_listed));
+    lists.clusters = select(soft.near_clusters, 0u, is_listed);
     let cell = cell_of(r);
     if !cell.inside {
-        return Lists(none, none, near, clusters);
+        return lists;
     }
     let along = select(dot(soft.plane.away, r.p - soft.origin), r.light_distance, soft.light.w > 0.0);
     let before = vec4u(vec4f(along) > soft.slice_ends[0]) + vec4u(vec4f(along) > soft.slice_ends[1]);
     let slice = min(before.x + before.y + before.z + before.w, soft.slice_count - 1u);
-    let edges = cell_number(cell, cell.plane * soft.slice_count + slice, soft.side);
-    let triangles = soft.triangle_lists + cell_number(cell, cell.plane, soft.triangle_side);
-    return Lists(list_at(edges), list_at(triangles), near, clusters);
+    lists.edges = list_at(cell_number(cell, cell.plane * soft.slice_count + slice, soft.side));
+    lists.triangles = list_at(soft.triangle_lists + cell_number(cell, cell.plane, soft.triangle_side));
+#if MASKS
+    lists.masked = list_at(soft.masked_lists + cell_number(cell, cell.plane * soft.slice_count + slice, soft.masked_side));
+#endif
+    return lists;
 }
 #endif

@@ -41,17 +41,6 @@ fn near_walk(lists: Lists) -> NearWalk {
     return NearWalk(lists.near.first, lists.near.end, 0u, lists.clusters, true);
 }
 
-// Whether a triangle may hide a part of the light.
-fn may_hide(t: SeenTriangle, r: Receiver) -> bool {
-    // Its three edges one way round. What lies left of one as a whole and right of another lies outside.
-    let heights = vec3f(t.ab.x, t.bc.x, -t.ac.x);
-    let reach = r.k * vec3f(length(t.ab.yz), length(t.bc.yz), length(t.ac.yz)) * 1.00001;
-    let is_outside = any(heights > reach) && any(heights < -reach);
-    let farthest = max(t.a.z, max(t.b.z, t.c.z));
-    let nearest = min(t.a.z, min(t.b.z, t.c.z));
-    return t.side != 0 && !is_outside && farthest > 0.0 && nearest < r.light_distance;
-}
-
 // The next of them that may hide a part of the light; with side 0 when there is none.
 fn next_near(walk: ptr<function, NearWalk>, r: Receiver) -> SeenTriangle {
     var t: SeenTriangle;

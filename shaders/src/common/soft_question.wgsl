@@ -45,7 +45,17 @@ fn question_at(position: vec2f) -> Question {
     q.lists = lists_of(q.r);
     let listed = q.lists.edges.first < q.lists.edges.end || q.lists.triangles.first < q.lists.triangles.end;
     let is_near = q.lists.near.first < q.lists.near.end || q.lists.clusters > 0u;
-    q.lit = q.lit && !listed && !is_near;
+#if MASKS
+    let is_masked = q.lists.masked.first < q.lists.masked.end;
+#else
+    let is_masked = false;
+#endif
+#if MASKS_ONLY
+    // What lies beyond the horizon is another pass's business.
+    q.lit = !is_masked;
+#else
+    q.lit = q.lit && !listed && !is_near && !is_masked;
+#endif
 #endif
     q.lit = q.lit || depth == 0.0 || plane.far_m == 0.0;
     return q;

@@ -173,6 +173,18 @@ fn seen_from_light(number: u32, r: Receiver) -> SeenTriangle {
 }
 #endif
 
+// Whether a triangle may hide a part of the light.
+fn may_hide(t: SeenTriangle, r: Receiver) -> bool {
+    // Its three edges one way round. What lies left of one as a whole and right of another lies outside.
+    let heights = vec3f(t.ab.x, t.bc.x, -t.ac.x);
+    let reach = r.k * vec3f(length(t.ab.yz), length(t.bc.yz), length(t.ac.yz)) * 1.00001;
+    let is_outside = any(heights > reach) && any(heights < -reach);
+    let farthest = max(t.a.z, max(t.b.z, t.c.z));
+    let nearest = min(t.a.z, min(t.b.z, t.c.z));
+    let is_beyond = soft.light.w > 0.0 && nearest >= r.light_distance;
+    return t.side != 0 && !is_outside && farthest > 0.0 && !is_beyond;
+}
+
 // How many times a triangle hides the light's centre: 0 or 1, but where rounding cannot tell neighbours apart; there,
 // and only there, their sum is right.
 fn hides_center(number: u32, r: Receiver) -> i32 {

@@ -21,20 +21,16 @@ fn texel_color(image: texture_2d<f32>, texel: vec2i, size: vec2i, reading: u32) 
 // Linear colour and alpha of `image` at `uv`, of its full size whatever the distance; `reading` as in common/alpha_mask.
 fn color_at(image: texture_2d<f32>, uv: vec2f, reading: u32) -> vec4f {
     let size = vec2i(textureDimensions(image));
-    let place = uv * vec2f(size);
-    let blends = (reading & 16u) != 0u;
-    let corner = floor(select(place, place - 0.5, blends));
-    let weight = select(vec2f(0.0), place - 0.5 - corner, blends);
-    let texel = vec2i(corner);
-    let a = texel_color(image, texel, size, reading);
+    let at = blended_texels(uv, size, reading);
+    let a = texel_color(image, at.first, size, reading);
     // All the weight is one texel's.
-    if all(weight == vec2f(0.0)) {
+    if all(at.weight == vec2f(0.0)) {
         return a;
     }
-    let b = texel_color(image, texel + vec2i(1, 0), size, reading);
-    let c = texel_color(image, texel + vec2i(0, 1), size, reading);
-    let d = texel_color(image, texel + vec2i(1, 1), size, reading);
-    return mix(mix(a, b, weight.x), mix(c, d, weight.x), weight.y);
+    let b = texel_color(image, at.first + vec2i(1, 0), size, reading);
+    let c = texel_color(image, at.first + vec2i(0, 1), size, reading);
+    let d = texel_color(image, at.first + vec2i(1, 1), size, reading);
+    return mix(mix(a, b, at.weight.x), mix(c, d, at.weight.x), at.weight.y);
 }
 
 // What passes a surface of linear colour `rgb` that covers this share (its alpha where it blends, else 1; 0 in a hole)
@@ -44,4 +40,17 @@ fn transmission_at(rgb: vec3f, coverage: f32, transmission: f32) -> vec3f {
         return vec3f(1.0);
     }
     return saturate(rgb * (1.0 - coverage * (1.0 - transmission)));
+}
+
+// The same of a surface of this colour and alpha; `alpha_mode` 0: alpha is ignored, 1: holes are where it is below the cutoff,
+// 2: it is the share that is covered.
+fn passing_surface(color: vec4f, alpha_mode: u32, cutoff: f32, transmission: f32) -> vec3f {
+    var coverage = 1.0;
+    if alpha_mode == 1u {
+        coverage = select(0.0, 1.0, color.a >= cutoff);
+    }
+    if alpha_mode == 2u {
+        coverage = saturate(color.a);
+    }
+    return transmission_at(color.rgb, coverage, transmission);
 }
