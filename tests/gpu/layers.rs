@@ -196,7 +196,7 @@ fn a_lamp_that_dips_below_a_pane_lights_it_all_the_same() {
 #[test]
 fn only_opaque_surfaces_have_a_horizon() {
     let size = LightSize { radius_m: 1.5, half_angle_rad: 0.0 };
-    let sized = vec![SizedCasters { casters: vec![], size, samples: Samples::Same(16) }];
+    let sized = vec![SizedCasters { casters: vec![], transparent: vec![], size, samples: Samples::Same(16) }];
     let query = [LightQuery { sized, ..LightQuery::default() }];
     let request = from_above([120, 96]);
     let camera = &request.camera;

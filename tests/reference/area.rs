@@ -24,7 +24,7 @@ fn query(snapshot: &SceneSnapshot) -> LightQuery {
 
 fn sized(snapshot: &SceneSnapshot, size: LightSize, samples: Samples) -> LightQuery {
     let casters = query(snapshot).casters;
-    LightQuery { sized: vec![SizedCasters { casters, size, samples }], ..LightQuery::default() }
+    LightQuery { sized: vec![SizedCasters { casters, transparent: vec![], size, samples }], ..LightQuery::default() }
 }
 
 fn render_with(case: &Case, size: LightSize, samples: Samples) -> ReferenceImage {
@@ -257,7 +257,7 @@ fn parts_of_a_light_are_multiplied() {
     let reference = Reference::new(&snapshot);
     let samples = Samples::Same(64);
     let hard = LightQuery { casters: vec![0, 1], ..LightQuery::default() };
-    let part = SizedCasters { casters: vec![2], size, samples };
+    let part = SizedCasters { casters: vec![2], transparent: vec![], size, samples };
     let soft = LightQuery { sized: vec![part.clone()], ..LightQuery::default() };
     let both = LightQuery { sized: vec![part], ..hard.clone() };
     let image = reference.render(&case.camera, SIZE_PX, &[hard, soft, both], &|_, _| {});

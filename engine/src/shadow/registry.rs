@@ -123,14 +123,6 @@ impl Registry {
         Ok(())
     }
 
-    /// The casters of `light` whose transparent surfaces cast too, ascending.
-    pub fn transparent_casters_of(&self, light: usize) -> Vec<usize> {
-        let claims = self.lights[light].iter().filter(|claim| claim.technique.traits().casts_transparent);
-        let mut casters: Vec<usize> = claims.flat_map(|claim| claim.casters.clone()).collect();
-        casters.sort_unstable();
-        casters
-    }
-
     /// The transparent surfaces on which shadows of `light` fall.
     pub fn receiver_layers(&self, light: usize) -> Layers {
         self.lights[light]

@@ -64,24 +64,37 @@ pub fn queries(registry: &Registry) -> Vec<LightQuery> {
 pub fn queries_with(registry: &Registry, converged: u32) -> Vec<LightQuery> {
     let served = registry.lights.iter().enumerate().filter(|(_, claims)| !claims.is_empty());
     let query = |(light, claims): (usize, &Vec<Claim>)| {
-        let transparent = registry.transparent_casters_of(light);
-        let mut query = LightQuery { light, transparent, ..LightQuery::default() };
+        let mut query = LightQuery { light, ..LightQuery::default() };
         for Claim { technique, casters, .. } in claims {
             let traits = technique.traits();
             let size = traits.light_size;
+            let transparent = if traits.casts_transparent { &casters[..] } else { &[] };
             if size == LightSize::NONE {
                 query.casters.extend(casters);
+                query.transparent.extend(transparent);
                 continue;
             }
             let samples = traits.light_samples.map_or(Samples::Converged(converged), Samples::Same);
             match query.sized.iter_mut().find(|part| part.size == size && part.samples == samples) {
                 // One light's casters hide the union of what they hide, however many nodes claim them.
-                Some(part) => part.casters.extend(casters),
-                None => query.sized.push(SizedCasters { casters: casters.clone(), size, samples }),
+                Some(part) => {
+                    part.casters.extend(casters);
+                    part.transparent.extend(transparent);
+                }
+                None => query.sized.push(SizedCasters {
+                    casters: casters.clone(),
+                    transparent: transparent.to_vec(),
+                    size,
+                    samples,
+                }),
             }
         }
         query.casters.sort_unstable();
-        query.sized.iter_mut().for_each(|part| part.casters.sort_unstable());
+        query.transparent.sort_unstable();
+        for part in &mut query.sized {
+            part.casters.sort_unstable();
+            part.transparent.sort_unstable();
+        }
         query
     };
     served.map(query).collect()

@@ -14,10 +14,11 @@
 //! settled (its axes turn or its radius grows without bounds within the moves: straight above a lamp, or next to its
 //! sphere), a sample counts as settled only if it is so wherever it may lie.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3, Vec3};
 use shadowgraph_engine::shadow::{LightSize, disc_samples, light_samples};
 
 use super::disc::{DiscTracer, Sight};
+use super::disc_panes::PanesBefore;
 use super::moved::Moved;
 use super::query::Judged;
 use super::samples::SampleTree;
@@ -51,6 +52,9 @@ impl Samples {
 pub struct SizedCasters {
     /// Indices into `SceneSnapshot::instances`.
     pub casters: Vec<usize>,
+    /// Indices into `SceneSnapshot::instances`: their transparent surfaces cast too, sample by sample, and the factor is one of
+    /// red, green and blue.
+    pub transparent: Vec<usize>,
     /// How large the light is.
     pub size: LightSize,
     /// Which points of it are asked.
@@ -72,6 +76,8 @@ pub struct SoftBounds {
 /// [`SizedCasters`] of one reference.
 pub(crate) struct SizedQuery {
     pub(crate) casters: CasterSet,
+    /// Where some transparent surface casts.
+    pub(crate) transparent: Option<CasterSet>,
     pub(crate) size: LightSize,
     pub(crate) samples: Vec<DVec2>,
     tree: SampleTree,
@@ -83,6 +89,7 @@ impl SizedQuery {
         let samples = sized.samples.points();
         Self {
             casters: reference.caster_set(&sized.casters),
+            transparent: reference.transparent_set(&sized.transparent),
             size: sized.size,
             tree: SampleTree::new(&samples),
             samples,
@@ -111,25 +118,27 @@ impl SizedQuery {
         let reached = moved.points.map(|point| light.reaches(point));
         let compared = reached[0];
         if !moved.surface.receives || !compared {
-            return Judged { factor: 1.0, compared, ambiguous: false, bounds: [1.0; 2] };
+            return Judged::lit(compared);
         }
         let way = Way::new(self.size, &self.casters, light.position, moved);
         let center_only = way.disc().radius == 0.0;
-        // Lit and certain, lit and ambiguous, dark and ambiguous.
-        let mut counts = [0_u32; 3];
+        let panes = self.transparent.as_ref().map(|set| PanesBefore::new(tracer, &way, set));
+        let mut arriving = Arriving::default();
         let mut darken = |index: usize| {
             if let Some(word) = lit.get_mut(index / 64) {
                 *word &= !(1 << (index % 64));
             }
         };
         match tracer.gather(&way) {
-            Some(true) => counts[0] = self.samples.len() as u32,
+            Some(true) => {
+                let sight = Sight { lit: true, certain: true };
+                arriving.add(self.tree.all_members(), sight, (&way, panes.as_ref()), &self.samples);
+            }
             Some(false) => (0..self.samples.len()).for_each(darken),
             None => {
                 let mut tell = |members: &[u32], Sight { lit, certain }: Sight| {
-                    if lit || !certain {
-                        counts[usize::from(!certain) + usize::from(!lit)] += members.len() as u32;
-                    }
+                    let samples = if center_only { &[DVec2::ZERO][..] } else { &self.samples };
+                    arriving.add(members, Sight { lit, certain }, (&way, panes.as_ref()), samples);
                     if !lit {
                         members.iter().for_each(|index| darken(*index as usize));
                     }
@@ -141,15 +150,57 @@ impl SizedQuery {
                 }
             }
         }
-        let share = |count: u32| (f64::from(count) / self.samples.len() as f64) as f32;
-        let mut bounds = [share(counts[0]), share(counts.iter().sum())];
+        let share = |sum: DVec3| (sum / self.samples.len() as f64).as_vec3();
+        let mut bounds = [share(arriving.least), share(arriving.largest)];
         if moved.lost {
-            bounds = [0.0, 1.0];
+            bounds = [Vec3::ZERO, Vec3::ONE];
         } else if reached.contains(&false) {
-            bounds[1] = 1.0;
+            bounds[1] = Vec3::ONE;
         }
-        let ambiguous = bounds[0] < bounds[1];
-        Judged { factor: share(counts[0] + counts[1]), compared, ambiguous, bounds }
+        let ambiguous = bounds[0] != bounds[1];
+        Judged { factor: share(arriving.exact), compared, ambiguous, bounds }
+    }
+}
+
+/// What arrives of some samples of a light, each of which counts 1: the least and the largest that is right, and what is exact.
+#[derive(Default)]
+struct Arriving {
+    least: DVec3,
+    exact: DVec3,
+    largest: DVec3,
+}
+
+impl Arriving {
+    /// Adds samples that are all seen alike, behind glass if there is some; the last of `samples` stands for those beyond.
+    fn add(
+        &mut self,
+        members: &[u32],
+        Sight { lit, certain }: Sight,
+        (way, panes): (&Way<'_>, Option<&PanesBefore<'_>>),
+        samples: &[DVec2],
+    ) {
+        if !lit && certain {
+            return;
+        }
+        let mut add = |count: f64, [least, exact, largest]: [DVec3; 3]| {
+            self.largest += count * largest;
+            if lit {
+                self.exact += count * exact;
+            }
+            if lit && certain {
+                self.least += count * least;
+            }
+        };
+        match panes {
+            None => add(members.len() as f64, [DVec3::ONE; 3]),
+            Some(panes) => match panes.of_all() {
+                Some(tint) => add(members.len() as f64, [tint; 3]),
+                None => members.iter().for_each(|index| {
+                    let sample = samples[(*index as usize).min(samples.len() - 1)];
+                    add(1.0, panes.tints(way, sample));
+                }),
+            },
+        }
     }
 }
 

@@ -59,7 +59,7 @@ fn against_brute_force(name: &str, size: Option<LightSize>, count: u32) -> Met {
     let snapshot = case.scene.snapshot().expect("cases have a pose");
     let reference = Reference::new(&snapshot);
     let casters = (0..snapshot.instances.len()).collect();
-    let query = SizedQuery::new(&reference, &SizedCasters { casters, size, samples: Samples::Same(count) });
+    let query = SizedQuery::new(&reference, &SizedCasters { casters, transparent: vec![], size, samples: Samples::Same(count) });
     let light = &reference.lights[0];
     let view = View::new(&case.camera, SIZE_PX);
     let (mut first, mut tracer) = (reference.tracer(), reference.disc_tracer());
@@ -96,10 +96,10 @@ fn against_brute_force(name: &str, size: Option<LightSize>, count: u32) -> Met {
             doubtful += u32::from(height.abs() < 1e-3);
         }
         let share = |count: u32| (f64::from(count) / samples.len() as f64) as f32;
-        assert_eq!(judged.factor.to_bits(), share(lit).to_bits(), "{name} at {place:?}");
-        let width = judged.bounds[1] - judged.bounds[0];
+        assert_eq!(judged.factor.x.to_bits(), share(lit).to_bits(), "{name} at {place:?}");
+        let width = judged.bounds[1].x - judged.bounds[0].x;
         assert!(
-            judged.bounds[0] <= judged.factor && judged.factor <= judged.bounds[1],
+            judged.bounds[0].x <= judged.factor.x && judged.factor.x <= judged.bounds[1].x,
             "{name} at {place:?}"
         );
         // Unsettled discs, and lights' ranges and cones, make more samples doubtful than seven moves show.
@@ -112,7 +112,7 @@ fn against_brute_force(name: &str, size: Option<LightSize>, count: u32) -> Met {
             met.open_sides += 1;
         }
         met.pixels += 1;
-        met.penumbra += usize::from(judged.factor > 0.0 && judged.factor < 1.0);
+        met.penumbra += usize::from(judged.factor.x > 0.0 && judged.factor.x < 1.0);
         met.ambiguous += usize::from(judged.ambiguous);
     }
     met

@@ -16,6 +16,7 @@ use super::bvh::Open;
 use super::forms::{Class, Form, Partial};
 use super::moved::{CORNERS, MOVES};
 use super::samples::{Group, SampleTree};
+use super::surface::Triangle;
 use super::tracer::Reference;
 use super::way::{Aim, ROUNDING, Way};
 
@@ -33,7 +34,7 @@ pub(crate) struct Sight {
 /// Answers questions about discs, one after the other; one for each thread and query.
 pub(crate) struct DiscTracer<'a> {
     pub(crate) reference: &'a Reference,
-    stack: Vec<Open>,
+    pub(super) stack: Vec<Open>,
     /// What stands before part of the disc last gathered for.
     partly: Vec<Partial>,
     /// The indices of those of them that may be in the way: of all samples, then of a group, then of a group in that.
@@ -90,9 +91,7 @@ impl DiscTracer<'_> {
         {
             return Some(false);
         }
-        let spread = |axis: usize| aim.axes[0][axis].hypot(aim.axes[1][axis]) + aim.sample_moves;
-        let far_m = DVec3::new(spread(0), spread(1), spread(2));
-        let cone = reference.bvh.cone(aim.point, aim.point_moves, aim.to_center, far_m, way.light.w != 0.0);
+        let cone = way.cone(&reference.bvh);
         let mut covered = false;
         reference.bvh.walk_cone(&cone, stack, |leaf| {
             for place in leaf {
@@ -273,7 +272,18 @@ impl Reference {
     /// How much of the disc `place` stands before, for a point or for all its moves.
     fn classify(&self, place: u32, way: &Way<'_>, aim: &Aim) -> Class {
         let triangle = &self.triangles[place as usize];
-        if !triangle.casts || triangle.is(way.moved.surface) || !way.casters.contains(triangle.instance) {
+        let casts = triangle.casts && way.casters.contains(triangle.instance);
+        if casts { self.classify_triangle((place, triangle), way, aim) } else { Class::Misses }
+    }
+
+    /// How much of the disc a triangle stands before, whatever it is part of.
+    pub(super) fn classify_triangle(
+        &self,
+        (place, triangle): (u32, &Triangle),
+        way: &Way<'_>,
+        aim: &Aim,
+    ) -> Class {
+        if triangle.is(way.moved.surface) {
             return Class::Misses;
         }
         let point = aim.point;

@@ -36,7 +36,7 @@ pub(crate) struct Panes {
     /// In the order of the tree's leaves.
     pub(crate) triangles: Vec<Triangle>,
     /// What each of `triangles` wears.
-    colors: Vec<PaneColor>,
+    pub(super) colors: Vec<PaneColor>,
     pub(crate) bvh: Bvh,
     /// Around all of them.
     pub(crate) bounds: Aabb,
@@ -44,7 +44,7 @@ pub(crate) struct Panes {
 
 /// The base colour of one triangle.
 #[derive(Clone)]
-struct PaneColor {
+pub(super) struct PaneColor {
     material: Arc<Material>,
     corner_colors: [DVec4; 3],
     texture: Option<(Arc<Image>, TextureRef)>,
@@ -64,6 +64,18 @@ impl PaneColor {
             corner_uvs: corner_uvs(instance, worn, index),
             material,
         }
+    }
+
+    /// What passes the triangle with these corners at `point`.
+    pub(super) fn passing(&self, corners: &[DVec3; 3], point: DVec3) -> DVec3 {
+        self.material.transmission_at(self.at(corners, point))
+    }
+
+    /// What passes it, where that is the same everywhere.
+    pub(super) fn even(&self) -> Option<DVec3> {
+        let [a, b, c] = self.corner_colors;
+        let is_even = self.texture.is_none() && a == b && b == c;
+        is_even.then(|| self.material.transmission_at(self.material.base_color.as_dvec4() * a))
     }
 
     /// The linear base colour at `point` of the triangle with these corners.
@@ -125,7 +137,7 @@ impl Panes {
             if between && !ignored {
                 let crossing =
                     triangle.plane_parameter(*point, to_light).map_or(*point, |t| *point + to_light * t);
-                tints[index] *= color.material.transmission_at(color.at(&triangle.corners, crossing));
+                tints[index] *= color.passing(&triangle.corners, crossing);
             }
         }
     }

@@ -12,6 +12,7 @@ pub(crate) mod channels;
 mod cover;
 mod coverage;
 mod disc;
+mod disc_panes;
 mod forms;
 mod glass;
 mod holes;

@@ -27,14 +27,22 @@ pub(crate) struct Query {
     pub(crate) transparent: Option<CasterSet>,
 }
 
-/// What opaque casters leave of a light at a point.
+/// What casters leave of a light at a point, but for transparent ones that cast as if it had no size.
 #[derive(Clone, Copy)]
 pub(crate) struct Judged {
-    pub(crate) factor: f32,
+    /// Red, green and blue.
+    pub(crate) factor: Vec3,
     pub(crate) compared: bool,
     pub(crate) ambiguous: bool,
     /// The least and the largest factor that is right.
-    pub(crate) bounds: [f32; 2],
+    pub(crate) bounds: [Vec3; 2],
+}
+
+impl Judged {
+    /// Where nothing stands before the light.
+    pub(crate) fn lit(compared: bool) -> Self {
+        Self { factor: Vec3::ONE, compared, ambiguous: false, bounds: [Vec3::ONE; 2] }
+    }
 }
 
 /// A query and what one thread needs for asking it.
@@ -68,7 +76,8 @@ impl Query {
 
     /// How many values a factor has.
     pub(crate) fn channels(&self) -> usize {
-        if self.transparent.is_some() { 3 } else { 1 }
+        let is_colored = self.transparent.is_some() || self.sized.iter().any(|part| part.transparent.is_some());
+        if is_colored { 3 } else { 1 }
     }
 
     /// How many of `light_samples` all sized parts take, if all do: the most of them.
@@ -109,14 +118,14 @@ impl Asker<'_> {
     /// What is right at a point. `lit` has for each of [`Query::words`] a list that ends with as many words, or is empty:
     /// which samples are lit goes there.
     pub(crate) fn judge(&mut self, moved: &Moved<'_>, lit: &mut [Vec<u64>]) -> PixelReference {
-        let judged = self.past_opaque(moved, lit);
+        let judged = self.past_parts(moved, lit);
         let Judged { factor, compared, mut ambiguous, bounds } = judged;
         let (mut tint, mut changes) = (DVec3::ONE, false);
-        if let Some(casters) = self.query.transparent.as_ref().filter(|_| bounds[1] > 0.0) {
+        if let Some(casters) = self.query.transparent.as_ref().filter(|_| bounds[1] != Vec3::ZERO) {
             (tint, changes) = self.query.tint(&mut self.tracer, moved, casters);
             ambiguous |= changes;
         }
-        let tinted = |value: f32| (tint * f64::from(value)).as_vec3().to_array();
+        let tinted = |value: Vec3| (tint * value.as_dvec3()).as_vec3().to_array();
         let ([least, largest], factor) = (bounds.map(tinted), tinted(factor));
         // Without a size, an ambiguous factor may be anything; so may one whose tint is.
         let anything = changes || (ambiguous && self.query.sized.is_empty());
@@ -159,14 +168,14 @@ impl Asker<'_> {
         query.tint_at(tracer, point, surface) * factor
     }
 
-    /// All opaque parts' factors, multiplied.
-    fn past_opaque(&mut self, moved: &Moved<'_>, lit: &mut [Vec<u64>]) -> Judged {
+    /// All parts' factors, multiplied.
+    fn past_parts(&mut self, moved: &Moved<'_>, lit: &mut [Vec<u64>]) -> Judged {
         let Self { query, tracer, disc } = self;
         let hard = query.is_hard.then(|| query.judge(tracer, moved));
         if let (Some(hard), Some(word)) =
             (hard, lit.get_mut(query.sized.len()).and_then(|words| words.last_mut()))
         {
-            *word = u64::from(hard.factor > 0.0);
+            *word = u64::from(hard.factor != Vec3::ZERO);
         }
         let parts = query.sized.iter().enumerate().map(|(index, part)| {
             let words = lit.get_mut(index).map_or(&mut [][..], |words| {
@@ -181,7 +190,7 @@ impl Asker<'_> {
             ambiguous: a.ambiguous || b.ambiguous,
             bounds: [a.bounds[0] * b.bounds[0], a.bounds[1] * b.bounds[1]],
         });
-        whole.unwrap_or(Judged { factor: 1.0, compared: false, ambiguous: false, bounds: [1.0; 2] })
+        whole.unwrap_or(Judged::lit(false))
     }
 }
 
@@ -196,14 +205,14 @@ impl Query {
         let reached =
             (0..MOVES).filter(|i| light.reaches(moved.points[*i])).fold(0_u8, |bits, i| bits | 1 << i);
         if !moved.surface.receives || reached == 0 {
-            return Judged { factor: 1.0, compared, ambiguous: false, bounds: [1.0; 2] };
+            return Judged::lit(compared);
         }
         // The horizon is decided once: for a light with a size, sample by sample.
         let turned_away = facing * moved.eye_side < 0 && !self.has_size && !moved.surface.lets_light_pass;
         let dark = if turned_away { reached } else { tracer.blocked(&self.probe(tracer, moved)) & reached };
         // Every move agrees when all are dark or none is. A surface turned away stays so wherever the point moves.
         let all = (1_u8 << MOVES) - 1;
-        let factor = if dark & 1 == 0 { 1.0 } else { 0.0 };
+        let factor = if dark & 1 == 0 { Vec3::ONE } else { Vec3::ZERO };
         let mut ambiguous = (dark != 0 && dark != all) || (moved.lost && !turned_away);
         if !ambiguous && !turned_away {
             ambiguous = moved.is_at_rim(light.position, &self.casters);
@@ -211,7 +220,8 @@ impl Query {
         if !ambiguous && !turned_away && facing * moved.eye_side > 0 {
             ambiguous = self.leaves_its_own_shadow(tracer, moved);
         }
-        Judged { factor, compared, ambiguous, bounds: if ambiguous { [0.0, 1.0] } else { [factor; 2] } }
+        let bounds = if ambiguous { [Vec3::ZERO, Vec3::ONE] } else { [factor; 2] };
+        Judged { factor, compared, ambiguous, bounds }
     }
 
     /// Whether the point, moved away from the eye, comes out of the shadow that its own surface casts behind it, which
@@ -249,7 +259,7 @@ impl Reference {
     }
 
     /// The set of the instances with these indices, if any of them is transparent.
-    fn transparent_set(&self, instances: &[usize]) -> Option<CasterSet> {
+    pub(crate) fn transparent_set(&self, instances: &[usize]) -> Option<CasterSet> {
         let set = self.caster_set(instances);
         let panes = self.panes.as_ref()?;
         let casts = |triangle: &Triangle| triangle.casts && set.contains(triangle.instance);

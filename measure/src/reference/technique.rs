@@ -133,8 +133,7 @@ impl ShadowTechnique for ReferenceShadow {
             let (size, samples) = (self.light_size(), Samples::Same(self.samples));
             let query = LightQuery {
                 light: index,
-                transparent,
-                sized: vec![SizedCasters { casters, size, samples }],
+                sized: vec![SizedCasters { casters, transparent, size, samples }],
                 beside_size: light.is_beside_size(),
                 ..LightQuery::default()
             };

@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3, DVec4};
 use shadowgraph_engine::shadow::{LightDisc, LightSize};
 
+use super::bvh::{Bvh, Cone};
 use super::forms::Form;
 use super::moved::{CORNERS, MOVES, Moved};
 use super::surface::Triangle;
@@ -86,6 +87,14 @@ impl<'a> Way<'a> {
     /// The point alone, or one of its moved copies.
     pub(crate) fn move_alone(&self, index: usize) -> &Aim {
         &self.aims[index + 1]
+    }
+
+    /// Everything between the point, wherever it moves, and the disc.
+    pub(crate) fn cone(&self, bvh: &Bvh) -> Cone {
+        let aim = self.all_moves();
+        let spread = |axis: usize| aim.axes[0][axis].hypot(aim.axes[1][axis]) + aim.sample_moves;
+        let far_m = DVec3::new(spread(0), spread(1), spread(2));
+        bvh.cone(aim.point, aim.point_moves, aim.to_center, far_m, self.light.w != 0.0)
     }
 
     /// Where a moved point sees `sample`.
