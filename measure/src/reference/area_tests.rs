@@ -59,7 +59,10 @@ fn against_brute_force(name: &str, size: Option<LightSize>, count: u32) -> Met {
     let snapshot = case.scene.snapshot().expect("cases have a pose");
     let reference = Reference::new(&snapshot);
     let casters = (0..snapshot.instances.len()).collect();
-    let query = SizedQuery::new(&reference, &SizedCasters { casters, transparent: vec![], size, samples: Samples::Same(count) });
+    let query = SizedQuery::new(
+        &reference,
+        &SizedCasters { casters, transparent: vec![], size, samples: Samples::Same(count) },
+    );
     let light = &reference.lights[0];
     let view = View::new(&case.camera, SIZE_PX);
     let (mut first, mut tracer) = (reference.tracer(), reference.disc_tracer());

@@ -6,7 +6,7 @@
 
 use glam::{DVec3, DVec4, Vec3};
 
-use super::area::{SizedQuery, boundary_px};
+use super::area::{SizedCasters, SizedQuery, boundary_px};
 use super::disc::DiscTracer;
 use super::moved::{MOVES, Moved};
 use super::render::{GRAZED, LightQuery, PixelReference};
@@ -57,14 +57,18 @@ impl Query {
         let position = reference.lights[asked.light].position;
         let (sized, points): (Vec<_>, Vec<_>) =
             asked.sized.iter().partition(|part| part.size.is_wide(position));
-        let points = points.into_iter().flat_map(|part| &part.casters).chain(&asked.casters);
-        let casters: Vec<usize> = points.copied().collect();
+        // What has no size at this light is what has none at all.
+        let with = |own: &[usize], of: fn(&SizedCasters) -> &Vec<usize>| -> Vec<usize> {
+            points.iter().flat_map(|part| of(part)).chain(own).copied().collect()
+        };
+        let casters = with(&asked.casters, |part| &part.casters);
+        let transparent = with(&asked.transparent, |part| &part.transparent);
         Self {
             light: asked.light,
             is_hard: sized.is_empty() || !casters.is_empty(),
             has_size: !sized.is_empty() || asked.beside_size,
             casters: reference.caster_set(&casters),
-            transparent: reference.transparent_set(&asked.transparent),
+            transparent: reference.transparent_set(&transparent),
             sized: sized.into_iter().map(|part| SizedQuery::new(reference, part)).collect(),
         }
     }
@@ -76,7 +80,8 @@ impl Query {
 
     /// How many values a factor has.
     pub(crate) fn channels(&self) -> usize {
-        let is_colored = self.transparent.is_some() || self.sized.iter().any(|part| part.transparent.is_some());
+        let is_colored =
+            self.transparent.is_some() || self.sized.iter().any(|part| part.transparent.is_some());
         if is_colored { 3 } else { 1 }
     }
 
