@@ -135,7 +135,10 @@ pub fn run(
         references.forget();
     }
     report.axes = axes.iter().map(|axis| measure_axis(&bench, axis, &mut steps)).collect();
-    report.sweeps = sweeps.iter().map(|sweep| measure_sweep(&bench, sweep, &mut steps)).collect();
+    // Nothing is timed there: one renderer, which compiles every shader once.
+    let mut renderer = bench.renderer();
+    report.sweeps =
+        sweeps.iter().map(|sweep| measure_sweep(&bench, &mut renderer, sweep, &mut steps)).collect();
     report
 }
 
@@ -202,7 +205,12 @@ fn measure_size(
     (Some(Spread::of(times_ms[0].clone())), outcomes.collect())
 }
 
-fn measure_sweep(bench: &Bench<'_>, sweep: &Sweep, steps: &mut Steps<'_>) -> SweepReport {
+fn measure_sweep(
+    bench: &Bench<'_>,
+    renderer: &mut Renderer,
+    sweep: &Sweep,
+    steps: &mut Steps<'_>,
+) -> SweepReport {
     let all = sweep.steps(&Cast::NOBODY);
     let last = all.len().saturating_sub(1);
     let stride = bench.effort.sweep_stride.max(1);
@@ -215,10 +223,9 @@ fn measure_sweep(bench: &Bench<'_>, sweep: &Sweep, steps: &mut Steps<'_>) -> Swe
     for (entry, setting) in bench.settings_for(sweep) {
         let label = label(entry.short_name, setting.name);
         steps.next(&format!("sweep {}: {label}", sweep.id));
-        let mut renderer = bench.renderer();
         let measure = |((value, case), known): (&&(f64, Case), &mut KnownReferences)| {
             let outcome = match case.scene_with(&entry, &(setting.params)()) {
-                Ok(scene) => measure_case(&mut renderer, &scene, case, known),
+                Ok(scene) => measure_case(renderer, &scene, case, known),
                 Err(error) => Outcome::Failed(error.to_string()),
             };
             SweepStep { value: *value, outcome }
