@@ -1,0 +1,213 @@
+//! Paper 002 on shadows that are flattened onto planes: its Fig. 5, what their points are worth, and what they save beside hard
+//! volumes.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec2, Vec3};
+use shadowgraph_engine::geometry::shapes;
+use shadowgraph_engine::render::{Exposure, FrameRequest};
+use shadowgraph_engine::scene::{
+    AlphaMode, Camera, Image, Light, Material, NodeKey, Scene, ShadowNode, TextureRef,
+};
+use shadowgraph_measure::KnownReferences;
+use shadowgraph_measure::report::{Drawn, Entry, Figure, Plotted, PlottedLine, PlottedPoint, Table};
+use shadowgraph_nodes::{PlanarMode, ShadowVolumeHard, SoftShadow};
+
+use super::harness::{Bench, Made, PaperError, magnified, picture, shadowed};
+use super::models::{ModelError, add, matt};
+
+/// Half the floor's side, in metres, and the texels along a whole one.
+const FLOOR_HALF_M: f32 = 4.0;
+const TEXELS: u32 = 1024;
+
+/// A knot over a floor, and the node over both that has `shadow`.
+struct Stage {
+    scene: Scene,
+    floor: NodeKey,
+    knot: NodeKey,
+}
+
+impl Stage {
+    fn new() -> Result<Self, ModelError> {
+        let mut scene = Scene::new();
+        let floor = super::models::floor(&mut scene, FLOOR_HALF_M)?;
+        let knot = shapes::torus_knot([2, 3], 0.8, 0.2, [271, 24]).moved(Vec3::Y * 1.3).named("knot");
+        let knot = add(&mut scene, knot, matt(Vec3::new(0.8, 0.4, 0.2)))?;
+        scene.add_lamp(Light::point("lamp", 160.0), DVec3::new(3.0, 6.5, 2.0));
+        let camera = Camera::perspective("main", 45.0_f64.to_radians());
+        scene.add_camera(camera, DVec3::new(3.2, 3.6, 6.2), DVec3::new(0.0, 0.9, 0.0));
+        Ok(Self { scene, floor, knot })
+    }
+
+    fn with(&self, shadow: SoftShadow) -> Scene {
+        let node = ShadowNode::from(shadow).with_casters([self.knot]).with_receivers([self.floor]);
+        shadowed(&self.scene, node)
+    }
+}
+
+/// Points that stand for the light; with 128 and 256, where they put the limits of an eight-bit count.
+const POINTS: [u32; 6] = [1, 4, 16, 64, 128, 256];
+const TEXTURES: [u32; 4] = [64, 256, 1024, 2048];
+
+pub(super) fn fig_5(bench: &mut Bench<'_>) -> Made<Entry> {
+    let stage = Stage::new()?;
+    let soft = SoftShadow { radius_m: 0.35, samples: 256, ..SoftShadow::default() };
+    let mut references = KnownReferences::with_samples(bench.effort.light_samples);
+    let (mut rows, mut line, mut figures) = (Vec::new(), PlottedLine::default(), Vec::new());
+    for samples in if bench.effort.ends_only { vec![4, 16, 128, 256] } else { POINTS.to_vec() } {
+        bench.tell(&format!("{samples} points"));
+        let off = bench.judge_soft(&stage.with(SoftShadow { samples, ..soft }), &mut references)?;
+        line.points.push(PlottedPoint { at: [f64::from(samples), off.penumbra_rmse], quartiles: None });
+        rows.push(vec![format!("{samples} points, direct").into(), off.penumbra_rmse.into()]);
+        figures.push(Figure::new(
+            format!("points-{samples}"),
+            format!("{samples} points: RMSE in the penumbra, beside the whole light"),
+            off.penumbra_rmse,
+        ));
+    }
+    line.name = "direct".into();
+    for resolution in bench.effort.of(&TEXTURES) {
+        let texture = SoftShadow { mode: PlanarMode::Texture, resolution, ..soft };
+        let off = bench.judge_soft(&stage.with(texture), &mut references)?;
+        rows.push(vec![format!("256 points, texture of {resolution} texels").into(), off.penumbra_rmse.into()]);
+        figures.push(Figure::new(
+            format!("texels-{resolution}"),
+            format!("texture of {resolution} texels: RMSE in the penumbra"),
+            off.penumbra_rmse,
+        ));
+    }
+    let over = changed_off_the_board(bench)?;
+    figures.push(
+        Figure::new("overhang", "pixels beside a receiver smaller than the shadow that change", over as f64)
+            .beside_words("“may extend over the edges”"),
+    );
+    let few = SoftShadow { samples: 4, ..soft };
+    let jagged = SoftShadow { mode: PlanarMode::Texture, resolution: 64, ..soft };
+    let coarse = bench.image(&stage.with(jagged), Exposure::default())?;
+    Ok(Entry {
+        sentence: "More points make a smoother penumbra, and each halving of the error takes more than twice as many; drawn into \
+                   a texture, edges are as coarse as its texels, as they say. No shadow reaches beyond its receiver."
+            .into(),
+        figures,
+        tables: vec![Table {
+            caption: "Error in the penumbra of a lamp of 0.35 m, beside the whole light".into(),
+            columns: vec!["how", "RMSE"],
+            rows,
+        }],
+        plots: vec![Plotted {
+            name: "002-fig5".into(),
+            title: "Error in the penumbra against points".into(),
+            axes: ["points", "RMSE"],
+            is_log: [true; 2],
+            lines: vec![PlottedLine { drawn: Drawn::Joined, ..line }],
+        }],
+        pictures: vec![
+            bench.picture(&stage.with(soft), Exposure::default(), ("002-fig5", "256 points, direct"))?,
+            bench.picture(&stage.with(few), Exposure::default(), ("002-fig5-few", "4 points: steps"))?,
+            picture("002-fig5-texels", "a texture of 64 texels, magnified", &magnified(&coarse, [0.3, 0.62], 0.5))?,
+        ],
+        ..Entry::default()
+    })
+}
+
+/// Pixels of other surfaces that change by a shadow on a board that is smaller than it.
+fn changed_off_the_board(bench: &mut Bench<'_>) -> Made<usize> {
+    let mut stage = Stage::new()?;
+    let board = shapes::plane(Vec2::splat(0.5)).moved(Vec3::new(-0.4, 0.2, -0.3)).named("board");
+    let board = add(&mut stage.scene, board, matt(Vec3::new(0.5, 0.6, 0.7)))?;
+    let soft = SoftShadow { radius_m: 0.35, samples: 64, ..SoftShadow::default() };
+    let node = ShadowNode::from(soft).with_casters([stage.knot]).with_receivers([board]);
+    let ask = |request: &mut FrameRequest| request.factors = true;
+    let with = bench.frame(&shadowed(&stage.scene, node), ask)?;
+    let without = bench.frame(&stage.scene, |_| {})?;
+    let missing = PaperError::Missing("a frame's picture");
+    let (Some(with_px), Some(without_px), Some(seen)) =
+        (with.picture, without.picture, with.visible_triangles)
+    else {
+        return Err(missing);
+    };
+    // Floor and knot come first: the board is instance 2.
+    let pixels = with_px.bytes.chunks_exact(4).zip(without_px.bytes.chunks_exact(4)).zip(seen);
+    let changed = pixels.filter(|((a, b), _)| a != b).map(|(_, id)| id[0]);
+    let (on, off): (Vec<u32>, Vec<u32>) = changed.partition(|instance| *instance == 2);
+    if on.is_empty() {
+        return Err(PaperError::Missing("a shadow on the board"));
+    }
+    Ok(off.len())
+}
+
+pub(super) fn hard_against_planar(bench: &mut Bench<'_>) -> Made<Entry> {
+    let stage = Stage::new()?;
+    let planar = |mode, samples, radius_m| {
+        let resolution = if mode == PlanarMode::Texture { TEXELS } else { SoftShadow::default().resolution };
+        stage.with(SoftShadow { mode, samples, radius_m, resolution, ..SoftShadow::default() })
+    };
+    let mut rectangle = stage.scene.clone();
+    add_rectangle(&mut rectangle)?;
+    let volumes = ShadowNode::from(ShadowVolumeHard::default()).with_casters([stage.knot]);
+    let rows = [
+        ("no shadows", "none", stage.scene.clone()),
+        ("hard volumes", "volumes", shadowed(&stage.scene, volumes)),
+        ("planar, hard, direct", "direct", planar(PlanarMode::Direct, 16, 0.0)),
+        ("planar, hard, texture, nothing moves", "texture", planar(PlanarMode::Texture, 16, 0.0)),
+        ("planar, 16 points, direct", "direct-16", planar(PlanarMode::Direct, 16, 0.1)),
+        ("planar, 64 points, direct", "direct-64", planar(PlanarMode::Direct, 64, 0.1)),
+        ("planar, 256 points, texture, nothing moves", "texture-256", planar(PlanarMode::Texture, 256, 0.1)),
+        ("a textured rectangle, no shadow", "rectangle", rectangle),
+    ];
+    let scenes: Vec<Scene> = rows.iter().map(|(_, _, scene)| scene.clone()).collect();
+    let rounds = bench.rounds(&scenes)?;
+    let mut references = KnownReferences::default();
+    let (mut table, mut figures) = (Vec::new(), Vec::new());
+    for (row, (what, key, scene)) in rows.iter().enumerate() {
+        let adds = rounds.adds(row, 0);
+        // Hard ones, of which volumes shade the knot as well.
+        let wrong = if [1, 2, 3].contains(&row) {
+            let error = bench.judge(scene, &mut references)?.errors.swap_remove(0);
+            Some(error.wrong_outside_band as f64)
+        } else {
+            None
+        };
+        table.push(vec![(*what).into(), rounds.ms(row).median.into(), adds.median.into(), wrong.into()]);
+        if row > 0 {
+            let what = format!("{what}: adds to a frame");
+            figures.push(Figure::spread(format!("{key}.adds"), what, adds).in_unit("ms"));
+        }
+    }
+    let ratio = Figure::spread("volumes.of-direct", "hard volumes: frame, of hard planar direct", rounds.ratio(1, 2));
+    figures.push(ratio.beside_words("“significantly higher”"));
+    let ratio = Figure::spread("volumes.of-texture", "hard volumes: frame, of a kept texture's", rounds.ratio(1, 3));
+    figures.push(ratio.beside_words("“very fast”"));
+    Ok(Entry {
+        sentence: "Hard shadows on one plane are not worth flattening casters for: volumes shade everything, the caster too, for \
+                   about as much. What stays in a texture while nothing moves costs a look-up, however many points it took."
+            .into(),
+        figures,
+        tables: vec![Table {
+            caption: format!("{} rounds; pixels wrong outside the band of hard ones", rounds.count()),
+            columns: vec!["what", "ms", "adds ms", "wrong"],
+            rows: table,
+        }],
+        pictures: vec![
+            bench.picture(&scenes[1], Exposure::default(), ("002-hard", "hard volumes: on the knot as well"))?,
+            bench.picture(&scenes[2], Exposure::default(), ("002-planar", "hard planar: on the floor only"))?,
+        ],
+        ..Entry::default()
+    })
+}
+
+/// A rectangle where the floor's texture would be, with as many texels.
+fn add_rectangle(scene: &mut Scene) -> Result<(), ModelError> {
+    let spots = (0..TEXELS * TEXELS).flat_map(|i| [0, 0, 0, ((i / 64 + i / TEXELS / 64) % 2 * 128) as u8]);
+    let spots = Image { name: "spots".into(), width: TEXELS, height: TEXELS, rgba8: spots.collect() };
+    let image = scene.add_image(Arc::new(spots));
+    let material = Material {
+        base_color_texture: Some(TextureRef::new(image)),
+        alpha_mode: AlphaMode::Blend,
+        unlit: true,
+        ..Material::default()
+    };
+    let quad = shapes::plane(Vec2::splat(FLOOR_HALF_M)).moved(Vec3::Y * 0.001).named("rectangle");
+    add(scene, quad, material)?;
+    Ok(())
+}
