@@ -120,7 +120,7 @@ fn balloon() -> Made<(Scene, Mesh)> {
     floor(&mut scene, 6.0)?;
     add(&mut scene, data, glass(Vec3::ONE, 1.0 - HALF))?;
     scene.add_light(Light::directional("sun", 3.2), DVec3::Y, DVec3::ZERO);
-    scene.add_camera(Camera::perspective("main", 0.75), DVec3::new(1.0, 4.2, 5.6), DVec3::new(0.1, 0.4, 0.0));
+    scene.add_camera(Camera::perspective("main", 0.75), DVec3::new(0.6, 3.0, 4.4), DVec3::new(0.0, 0.55, 0.0));
     Ok((scene, soup))
 }
 

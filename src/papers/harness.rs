@@ -51,6 +51,8 @@ pub struct Effort {
     pub size_px: [u32; 2],
     /// The size of pictures, and of frames that are judged.
     pub picture_px: [u32; 2],
+    /// How many pixels each way are averaged into one of a picture.
+    pub oversampling: u32,
     /// The size of frames that are judged beside whole lights with a size.
     pub soft_px: [u32; 2],
     /// The samples that stand for such a light.
@@ -67,6 +69,7 @@ impl Effort {
         name: "default",
         size_px: [1280, 720],
         picture_px: [640, 360],
+        oversampling: 2,
         soft_px: [192, 108],
         light_samples: 1024,
         pace: Pace { min_rounds: 5, max_rounds: 41, budget: Duration::from_secs(10) },
@@ -75,9 +78,10 @@ impl Effort {
     /// Under a minute.
     pub const QUICK: Self = Self {
         name: "quick",
-        size_px: [320, 180],
-        picture_px: [320, 180],
-        soft_px: [80, 45],
+        size_px: [192, 108],
+        picture_px: [192, 108],
+        oversampling: 1,
+        soft_px: [64, 36],
         light_samples: 256,
         pace: Pace { min_rounds: 3, max_rounds: 5, budget: Duration::from_millis(300) },
         ends_only: true,
@@ -169,9 +173,9 @@ impl<'a> Bench<'a> {
         Ok(self.renderer.render(scene, &request, &options)?)
     }
 
-    /// The scene from its first camera, averaged from twice as many pixels each way.
+    /// The scene from its first camera, averaged from more pixels where the effort says so.
     pub(super) fn image(&mut self, scene: &Scene, exposure: Exposure) -> Made<RgbaImage> {
-        let size_px = self.effort.picture_px.map(|side| side * 2);
+        let size_px = self.effort.picture_px.map(|side| side * self.effort.oversampling);
         let request = FrameRequest::new(camera(scene)?, size_px);
         let options = RenderOptions { exposure, read_picture: true, ..RenderOptions::default() };
         let frame = self.renderer.render(scene, &request, &options)?;
@@ -215,19 +219,6 @@ pub(super) fn picture(name: &str, caption: impl Into<String>, image: &RgbaImage)
         image::ExtendedColorType::Rgba8,
     )?;
     Ok(Picture { name: name.into(), caption: caption.into(), png })
-}
-
-/// A part of an image, `share` of it wide and high about the middle (x and y from 0 to 1), as large as the whole, pixels kept.
-pub(super) fn magnified(image: &RgbaImage, [x, y]: [f64; 2], share: f64) -> RgbaImage {
-    let (width, height) = image.dimensions();
-    let side = |whole: u32| ((f64::from(whole) * share) as u32).clamp(1, whole);
-    let (part_width, part_height) = (side(width), side(height));
-    let first = |at: f64, whole: u32, part: u32| {
-        (f64::from(whole) * at - f64::from(part) * 0.5).clamp(0.0, f64::from(whole - part)) as u32
-    };
-    let (left, top) = (first(x, width, part_width), first(y, height, part_height));
-    let part = imageops::crop_imm(image, left, top, part_width, part_height).to_image();
-    imageops::resize(&part, width, height, imageops::FilterType::Nearest)
 }
 
 /// The scene's first camera.

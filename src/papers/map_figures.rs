@@ -1,16 +1,15 @@
 //! Figures 7 to 9 of paper 004: what one point for each texel cannot say, a closeup, and curved objects with the map's points.
 
 use glam::{DVec3, Vec3};
-use image::RgbaImage;
 use shadowgraph_engine::geometry::shapes;
 use shadowgraph_engine::render::Exposure;
 use shadowgraph_engine::scene::{Camera, Light, Scene, ShadowNode};
 use shadowgraph_measure::KnownReferences;
-use shadowgraph_measure::report::{Entry, Figure, Picture};
+use shadowgraph_measure::report::{Entry, Figure};
 use shadowgraph_nodes::{ShadowMap, ShadowVolumeHard, Show, SilhouetteMap};
 
-use super::harness::{Bench, Made, magnified, picture, shadowed};
-use super::map_scenes::{strike, vehicle};
+use super::harness::{Bench, Made, shadowed};
+use super::map_scenes::{strike_seen, vehicle_seen};
 use super::maps::edge_off_px;
 use super::models::{ModelError, add, floor, matt};
 
@@ -81,10 +80,10 @@ pub(super) fn fig_7(bench: &mut Bench<'_>) -> Made<Entry> {
 /// Flat shapes high over a floor, the lamp above them, the eye above the shadow.
 fn over_floor(shapes: Shapes) -> Result<Scene, ModelError> {
     let mut scene = Scene::new();
-    floor(&mut scene, 1.2)?;
+    floor(&mut scene, 3.0)?;
     shapes(&mut scene)?;
     scene.add_light(Light::directional("sun", 3.2), DVec3::new(0.9, 2.0, 0.35), DVec3::ZERO);
-    scene.add_camera(Camera::perspective("main", 0.5), DVec3::new(-0.3, 2.4, 0.9), DVec3::new(-0.55, 0.0, -0.25));
+    scene.add_camera(Camera::perspective("main", 0.5), DVec3::new(-1.7, 1.9, 0.7), DVec3::new(-0.5, 0.0, -0.18));
     Ok(scene)
 }
 
@@ -113,12 +112,12 @@ fn corner(scene: &mut Scene) -> Result<(), ModelError> {
 const LOW: u32 = 128;
 
 pub(super) fn fig_8(bench: &mut Bench<'_>) -> Made<Entry> {
-    let scene = vehicle()?;
+    let scene = vehicle_seen([DVec3::new(3.5, 1.7, 1.3), DVec3::new(2.0, 0.0, -0.5)])?;
     let mut pictures = Vec::new();
     for (label, node) in three(LOW) {
-        let image = bench.image(&shadowed(&scene, node), Exposure::default())?;
         let caption = if label == "volumes" { label.into() } else { format!("{label} of 128 texels") };
-        pictures.push(closeup(&format!("004-fig8-{label}"), caption, &image)?);
+        let picture = format!("004-fig8-{label}");
+        pictures.push(bench.picture(&shadowed(&scene, node), Exposure::default(), (&picture, caption))?);
     }
     Ok(Entry {
         sentence: "At too few texels a map's edge is stairs; silhouettes are straight but for where thin parts lie within a texel; \
@@ -130,27 +129,22 @@ pub(super) fn fig_8(bench: &mut Bench<'_>) -> Made<Entry> {
     })
 }
 
-/// The shadow beside the vehicle's front.
-fn closeup(name: &str, caption: String, image: &RgbaImage) -> Made<Picture> {
-    picture(name, caption, &magnified(image, [0.66, 0.62], 0.4))
-}
-
-/// The texels of Fig. 9's maps.
-const THEIRS: u32 = 512;
+/// The texels of Fig. 9's maps: half of theirs, so that points are seen apart.
+const CURVED: u32 = 256;
 
 pub(super) fn fig_9(bench: &mut Bench<'_>) -> Made<Entry> {
-    let scene = strike()?;
+    let scene = strike_seen([DVec3::new(1.9, 1.2, 1.3), DVec3::new(0.45, 0.05, -0.3)])?;
     let mut pictures = Vec::new();
     for (name, caption, node) in [
-        ("004-fig9-map", "a map of 512 texels", map(THEIRS)),
-        ("004-fig9-points", "its silhouette points, over the scene", silhouette(THEIRS, Show::Points)),
-        ("004-fig9-silhouette", "a silhouette map of 512 texels", silhouette(THEIRS, Show::Shadows)),
+        ("004-fig9-map", "a map of 256 texels", map(CURVED)),
+        ("004-fig9-points", "its silhouette points, over the scene", silhouette(CURVED, Show::Points)),
+        ("004-fig9-silhouette", "a silhouette map of 256 texels", silhouette(CURVED, Show::Shadows)),
     ] {
         pictures.push(bench.picture(&shadowed(&scene, node), Exposure::default(), (name, caption))?);
     }
     Ok(Entry {
         sentence: "On curved casters too points follow the outline, and edges are off by a part of what a map's are.".into(),
-        figures: figures(bench, "strike", &scene, THEIRS)?,
+        figures: figures(bench, "strike", &scene, CURVED)?,
         pictures,
         ..Entry::default()
     })

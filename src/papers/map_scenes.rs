@@ -37,8 +37,12 @@ pub(super) fn crowd() -> Result<Scene, ModelError> {
 
 /// An open vehicle of boxes, bars and wheels.
 pub(super) fn vehicle() -> Result<Scene, ModelError> {
-    let mut scene =
-        stage(5.0, DVec3::new(-2.5, 4.5, 3.0), [DVec3::new(3.2, 2.4, 4.2), DVec3::new(0.0, 0.6, 0.0)])?;
+    vehicle_seen([DVec3::new(3.2, 2.4, 4.2), DVec3::new(0.0, 0.6, 0.0)])
+}
+
+/// The same from an eye towards a target.
+pub(super) fn vehicle_seen(view: [DVec3; 2]) -> Result<Scene, ModelError> {
+    let mut scene = stage(5.0, DVec3::new(-2.5, 4.5, 3.0), view)?;
     let body = Vec3::new(0.35, 0.42, 0.25);
     for (min, max) in [
         ([-1.5, 0.45, -0.7], [1.5, 0.6, 0.7]),
@@ -113,8 +117,12 @@ pub(super) fn castle() -> Result<Scene, ModelError> {
 
 /// Ten bowling pins and a ball.
 pub(super) fn strike() -> Result<Scene, ModelError> {
-    let mut scene =
-        stage(4.0, DVec3::new(-2.0, 3.0, 2.2), [DVec3::new(1.2, 1.4, 3.0), DVec3::new(0.0, 0.3, -0.2)])?;
+    strike_seen([DVec3::new(1.2, 1.4, 3.0), DVec3::new(0.0, 0.3, -0.2)])
+}
+
+/// The same from an eye towards a target.
+pub(super) fn strike_seen(view: [DVec3; 2]) -> Result<Scene, ModelError> {
+    let mut scene = stage(4.0, DVec3::new(-2.0, 3.0, 2.2), view)?;
     let profile = [
         (0.0, 0.0),
         (0.1, 0.0),

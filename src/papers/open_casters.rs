@@ -71,7 +71,7 @@ fn error_map(judged: &Evaluation, name: &str) -> Made<shadowgraph_measure::repor
 
 /// A box without its lid, a tube and a cone, or their solids.
 fn three_casters(ends: Ends) -> Result<Scene, ModelError> {
-    let mut scene = stage(6.0, DVec3::new(-1.8, 4.6, 1.4), [DVec3::new(2.6, 3.0, 5.4), DVec3::new(0.2, 0.5, 0.0)])?;
+    let mut scene = stage(6.0, DVec3::new(-1.8, 4.6, 1.4), [DVec3::new(2.0, 2.5, 4.0), DVec3::new(0.55, 0.4, 0.0)])?;
     let (min, max) = ([-1.2, 0.5, -0.4], [-0.4, 1.1, 0.4]);
     let case = if ends == Ends::Open { open_box(min, max) } else { block(min, max) };
     let tilt = glam::DAffine3::from_rotation_z(0.7);

@@ -71,8 +71,8 @@ pub(super) fn single_against_multi(bench: &mut Bench<'_>) -> Made<Entry> {
     figures.extend(costs);
     Ok(Entry {
         sentence: "A single pass darkens the picture once, however many lights are hidden: where shadows cross it is too light, \
-                   and a shadow is as dark under a weak lamp as under a strong one. Several passes are right, and each light \
-                   costs its own."
+                   and a shadow is as dark under a weak lamp as under a strong one. Several passes are right; counting is the \
+                   same work either way, and only the shading differs."
             .into(),
         figures,
         plots: vec![plot],
