@@ -43,7 +43,8 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
 fn table(chapter: &Chapter) -> String {
     let figures = chapter.entries.iter().flat_map(|entry| {
         let published = entry.figures.iter().filter(|figure| figure.theirs != Theirs::Nothing);
-        published.map(|figure| [entry.id.into(), figure.key.clone(), figure.ours_text(), figure.theirs_text()])
+        published
+            .map(|figure| [entry.id.into(), figure.key.clone(), figure.ours_text(), figure.theirs_text()])
     });
     let heads = ["entry", "figure", "ours", "theirs"].map(String::from);
     let rows: Vec<[String; 4]> = std::iter::once(heads).chain(figures).collect();

@@ -53,13 +53,22 @@ pub(super) fn counted(bench: &mut Bench<'_>) -> Made<Entry> {
     figures.extend([
         Figure::new("different", "pixels with another count than the tracer's", different as f64),
         Figure::new("edges", "edges of the soup", soup.topology().edges().len() as f64),
-        Figure::new("drawn-edges", "of which sides are drawn: those whose cap count is not 0", chain.silhouette_edges as f64),
-        Figure::new("heaviest", "largest cap count: three surfaces before an edge, one behind", f64::from(chain.max_edge_weight))
-            .beside(2.0),
+        Figure::new(
+            "drawn-edges",
+            "of which sides are drawn: those whose cap count is not 0",
+            chain.silhouette_edges as f64,
+        ),
+        Figure::new(
+            "heaviest",
+            "largest cap count: three surfaces before an edge, one behind",
+            f64::from(chain.max_edge_weight),
+        )
+        .beside(2.0),
     ]);
     Ok(Entry {
         sentence: "The sum of cap counts is the number of surfaces between a point and the light, at every pixel, of a soup in \
-                   which four surfaces meet in one edge and others end."
+                   which four surfaces meet in one edge and others end. (A side counts the surfaces before it minus those behind, \
+                   as in their example; their text says it the other way round.)"
             .into(),
         figures,
         pictures: vec![
@@ -114,13 +123,16 @@ fn balloon() -> Made<(Scene, Mesh)> {
         indices: lines.flat_map(|[a, b]| [a, b, back + b, a, back + b, back + a]).collect(),
         ..MeshData::default()
     };
-    let soup = Mesh::new(data.clone())
-        .map_err(|reason| ModelError { name: data.name.clone(), reason })?;
+    let soup = Mesh::new(data.clone()).map_err(|reason| ModelError { name: data.name.clone(), reason })?;
     let mut scene = Scene::new();
     floor(&mut scene, 6.0)?;
     add(&mut scene, data, glass(Vec3::ONE, 1.0 - HALF))?;
     scene.add_light(Light::directional("sun", 3.2), DVec3::Y, DVec3::ZERO);
-    scene.add_camera(Camera::perspective("main", 0.75), DVec3::new(0.6, 3.0, 4.4), DVec3::new(0.0, 0.55, 0.0));
+    scene.add_camera(
+        Camera::perspective("main", 0.75),
+        DVec3::new(0.6, 3.0, 4.4),
+        DVec3::new(0.0, 0.55, 0.0),
+    );
     Ok((scene, soup))
 }
 
@@ -152,8 +164,11 @@ pub(super) fn accumulated(bench: &mut Bench<'_>) -> Made<Entry> {
                 continue;
             }
             let surfaces = boxes * 2;
-            let figure =
-                Figure::new(format!("{name}.rmse"), format!("RMSE behind {surfaces} surfaces, {name}"), error.rmse);
+            let figure = Figure::new(
+                format!("{name}.rmse"),
+                format!("RMSE behind {surfaces} surfaces, {name}"),
+                error.rmse,
+            );
             figures.push(match *accumulate {
                 Accumulate::Product16 => figure.beside_words("“severe artifact”"),
                 Accumulate::Log16 => figure.beside_words("“rendered properly”"),
@@ -172,9 +187,9 @@ pub(super) fn accumulated(bench: &mut Bench<'_>) -> Made<Entry> {
         rows.push(row);
     }
     Ok(Entry {
-        sentence: "Products in half floats fail behind some dozen surfaces, as they found. Their logarithms in half floats hold \
-                   longer, but sums of rounded numbers do not cancel exactly either: behind a deep stack they are wrong as well, \
-                   where counts are not."
+        sentence: "Products in half floats fail behind some dozen surfaces, as they found. They call sums of logarithms exact, but \
+                   rounded numbers do not cancel there either: behind a deep stack these are wrong as well, where counts are \
+                   not."
             .into(),
         figures,
         tables: vec![Table {
@@ -216,11 +231,15 @@ fn tower(boxes: u32) -> Result<Scene, ModelError> {
 }
 
 pub(super) fn inside(bench: &mut Bench<'_>) -> Made<Entry> {
-    let tinted = shadowed(&egg(glass)?, TransparentShadow::default());
+    let tinted = shadowed(&egg(glass)?, on_floor(Accumulate::Counts));
     let opaque = shadowed(&egg(|color, _| matt(color))?, ShadowVolumeHard::default());
     let Evaluation { reference, errors, .. } = bench.judge(&tinted, &mut KnownReferences::default())?;
     let light = &reference.lights[0];
-    let mut tones: Vec<u32> = light.factor.chunks_exact(3).zip(&light.compared).filter(|(_, seen)| **seen)
+    let mut tones: Vec<u32> = light
+        .factor
+        .chunks_exact(3)
+        .zip(&light.compared)
+        .filter(|(_, seen)| **seen)
         .map(|(rgb, _)| rgb.iter().fold(0, |tone, value| tone << 10 | (value * 1000.0).round() as u32))
         .collect();
     tones.sort_unstable();

@@ -17,10 +17,12 @@ const LAYERS: u32 = 4;
 
 pub(super) fn fig_7(bench: &mut Bench<'_>) -> Made<Entry> {
     let scene = letters_in_glass()?;
-    let with = |self_shadow| shadowed(&scene, TransparentShadow { self_shadow, ..TransparentShadow::default() });
+    let with =
+        |self_shadow| shadowed(&scene, TransparentShadow { self_shadow, ..TransparentShadow::default() });
     let request = FrameRequest::new(camera(&scene)?, bench.effort.picture_px);
     bench.tell("layers of glass");
-    let full = evaluate_layers(&mut bench.renderer, &with(SelfShadow::Full), &request, 0..LAYERS, &|_, _| {})?;
+    let full =
+        evaluate_layers(&mut bench.renderer, &with(SelfShadow::Full), &request, 0..LAYERS, &|_, _| {})?;
     let (mut figures, mut rows) = (Vec::new(), Vec::new());
     let columns = [SelfShadow::None, SelfShadow::Partial, SelfShadow::Full]
         .into_iter()

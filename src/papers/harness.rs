@@ -212,12 +212,7 @@ pub(super) struct Soft {
 pub(super) fn picture(name: &str, caption: impl Into<String>, image: &RgbaImage) -> Made<Picture> {
     let mut png = Vec::new();
     let (width, height) = image.dimensions();
-    PngEncoder::new(&mut png).write_image(
-        image.as_raw(),
-        width,
-        height,
-        image::ExtendedColorType::Rgba8,
-    )?;
+    PngEncoder::new(&mut png).write_image(image.as_raw(), width, height, image::ExtendedColorType::Rgba8)?;
     Ok(Picture { name: name.into(), caption: caption.into(), png })
 }
 

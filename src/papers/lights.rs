@@ -63,9 +63,9 @@ fn fitted(points: &[PlottedPoint]) -> Made<Line> {
 }
 
 fn figures(of_ms: &Line, of_fps: &Line, rounds: &Rounds, few: usize) -> Vec<Figure> {
-    let error = of_ms.standard_error.map(|error| {
-        Figure::new("ms.slope-error", "its standard error", error).in_unit("ms")
-    });
+    let error = of_ms
+        .standard_error
+        .map(|error| Figure::new("ms.slope-error", "its standard error", error).in_unit("ms"));
     let slope = Figure::new("ms.slope", "what each light adds to a frame, by the line", of_ms.slope);
     let least = Figure::new("ms.at-zero", "what the line says of a frame without lights", of_ms.at_zero);
     [slope.in_unit("ms")]
@@ -75,11 +75,19 @@ fn figures(of_ms: &Line, of_fps: &Line, rounds: &Rounds, few: usize) -> Vec<Figu
             least.in_unit("ms"),
             Figure::new("ms.residual", "how far frames are from the line, root mean square", of_ms.residual)
                 .in_unit("ms"),
-            Figure::new("ms.r-squared", "share of the variance of times that a line explains", of_ms.r_squared),
+            Figure::new(
+                "ms.r-squared",
+                "share of the variance of times that a line explains",
+                of_ms.r_squared,
+            ),
             Figure::new("fps.r-squared", "the same of frames a second", of_fps.r_squared)
                 .beside_words("a line is drawn"),
-            Figure::spread("one-light", "one light: frame with shadows, of that without", rounds.ratio(few, 0))
-                .beside_words("“not much different”"),
+            Figure::spread(
+                "one-light",
+                "one light: frame with shadows, of that without",
+                rounds.ratio(few, 0),
+            )
+            .beside_words("“not much different”"),
             Figure::spread(
                 "most-lights",
                 "most lights: frame with shadows, of that without",

@@ -37,7 +37,11 @@ fn figures(bench: &mut Bench<'_>, name: &str, scene: &Scene, resolution: u32) ->
     for (label, node) in three(resolution) {
         let error = bench.judge(&shadowed(scene, node), &mut references)?.errors.swap_remove(0);
         let key = |what: &str| format!("{name}.{label}.{what}");
-        let wrong = Figure::new(key("wrong"), format!("{name}, {label}: wrong pixels, in any band"), error.wrong as f64);
+        let wrong = Figure::new(
+            key("wrong"),
+            format!("{name}, {label}: wrong pixels, in any band"),
+            error.wrong as f64,
+        );
         let off = Figure::new(key("edge-off"), format!("{name}, {label}: edges off"), edge_off_px(&error));
         figures.extend([wrong, off.in_unit("px")]);
     }
@@ -69,9 +73,17 @@ pub(super) fn fig_7(bench: &mut Bench<'_>) -> Made<Entry> {
         };
         entry.figures.extend(found.into_iter().map(of_silhouettes));
         for (label, node) in three(COARSE).into_iter().skip(1) {
-            let caption = if label == "volumes" { format!("{what}: as it is") } else { format!("{what}: {label} of 48 texels") };
+            let caption = if label == "volumes" {
+                format!("{what}: as it is")
+            } else {
+                format!("{what}: {label} of 48 texels")
+            };
             let picture = format!("004-fig7-{name}-{label}");
-            entry.pictures.push(bench.picture(&shadowed(&scene, node), Exposure::default(), (&picture, caption))?);
+            entry.pictures.push(bench.picture(
+                &shadowed(&scene, node),
+                Exposure::default(),
+                (&picture, caption),
+            )?);
         }
     }
     Ok(entry)
@@ -83,7 +95,11 @@ fn over_floor(shapes: Shapes) -> Result<Scene, ModelError> {
     floor(&mut scene, 3.0)?;
     shapes(&mut scene)?;
     scene.add_light(Light::directional("sun", 3.2), DVec3::new(0.9, 2.0, 0.35), DVec3::ZERO);
-    scene.add_camera(Camera::perspective("main", 0.5), DVec3::new(-1.7, 1.9, 0.7), DVec3::new(-0.5, 0.0, -0.18));
+    scene.add_camera(
+        Camera::perspective("main", 0.5),
+        DVec3::new(-1.7, 1.9, 0.7),
+        DVec3::new(-0.5, 0.0, -0.18),
+    );
     Ok(scene)
 }
 

@@ -1,8 +1,8 @@
 //! Scenes like those of paper 004: a crowd before a wall, a vehicle, a castle, and bowling pins.
 
 use glam::{DAffine3, DVec3, Vec2, Vec3};
-use shadowgraph_engine::geometry::shapes::{self, Ends};
 use shadowgraph_engine::geometry::MeshData;
+use shadowgraph_engine::geometry::shapes::{self, Ends};
 use shadowgraph_engine::scene::Scene;
 
 use super::models::{ModelError, add, add_at, block, matt, stage};
@@ -140,7 +140,12 @@ pub(super) fn strike_seen(view: [DVec3; 2]) -> Result<Scene, ModelError> {
         for column in 0..=row {
             let x = (f64::from(column) - 0.5 * f64::from(row)) * 0.55;
             let place = DVec3::new(x, 0.0, -0.45 * f64::from(row));
-            add_at(&mut scene, shapes::lathe(&profile, 28).named("pin"), matt(Vec3::new(0.9, 0.88, 0.82)), place)?;
+            add_at(
+                &mut scene,
+                shapes::lathe(&profile, 28).named("pin"),
+                matt(Vec3::new(0.9, 0.88, 0.82)),
+                place,
+            )?;
         }
     }
     let ball = shapes::icosphere(0.3, 3).named("ball");

@@ -8,7 +8,9 @@ use shadowgraph_engine::geometry::{Chain, facing_signs};
 use shadowgraph_engine::gpu::Timing;
 use shadowgraph_engine::render::{Exposure, FrameRequest, RenderOptions, Renderer};
 use shadowgraph_engine::scene::{CameraSnapshot, Content, NodeKey, Scene, ShadowNode};
-use shadowgraph_measure::report::{Drawn, Entry, Figure, Plotted, PlottedLine, PlottedPoint, Table, TableCell};
+use shadowgraph_measure::report::{
+    Drawn, Entry, Figure, Plotted, PlottedLine, PlottedPoint, Table, TableCell,
+};
 use shadowgraph_measure::timing::Spread;
 use shadowgraph_measure::{KnownReferences, LightError, measured};
 use shadowgraph_nodes::common::cut_casters::cut_outline;
@@ -32,11 +34,7 @@ struct Printed {
 
 /// Their three scenes and, printed nowhere, their bowling pins and three scenes that the report times.
 const SCENES: [(&str, MakeScene, Option<Printed>); 7] = [
-    (
-        "crowd",
-        crowd,
-        Some(Printed { triangles: 14_836.0, edges: 4_800.0, on_silhouettes_percent: 13.3 }),
-    ),
+    ("crowd", crowd, Some(Printed { triangles: 14_836.0, edges: 4_800.0, on_silhouettes_percent: 13.3 })),
     ("vehicle", vehicle, Some(Printed { triangles: 1_732.0, edges: 729.0, on_silhouettes_percent: 12.6 })),
     ("castle", castle, Some(Printed { triangles: 1_204.0, edges: 466.0, on_silhouettes_percent: 7.2 })),
     ("strike", strike, None),
@@ -123,9 +121,13 @@ fn traffic_of(
         Some(printed) => TableCell::Text(format!("{ours:.3} ({})", theirs(printed)).replace(".000", "")),
         None => ours.into(),
     };
-    let figure = |key: &str, what: &str, ours: f64| Figure::new(format!("{name}.{key}"), format!("{name}: {what}"), ours);
+    let figure = |key: &str, what: &str, ours: f64| {
+        Figure::new(format!("{name}.{key}"), format!("{name}: {what}"), ours)
+    };
     let percent = figure("on-silhouettes", "pixels on silhouettes, at 512 texels, in percent", 100.0 * share);
-    entry.figures.push(printed.iter().fold(percent, |figure, printed| figure.beside(printed.on_silhouettes_percent)));
+    entry
+        .figures
+        .push(printed.iter().fold(percent, |figure, printed| figure.beside(printed.on_silhouettes_percent)));
     entry.figures.push(
         figure("overdraw", "fragments of volumes for each pixel of the scene", overdraw)
             .beside_words("between 4 and 155"),
@@ -187,7 +189,8 @@ const RIGHT_ENOUGH: f64 = 0.001;
 /// The techniques whose errors are asked for, with so many texels.
 fn techniques(resolution: u32) -> [(&'static str, ShadowNode); 4] {
     let map = |pcf| ShadowNode::from(ShadowMap { resolution, pcf, ..ShadowMap::default() });
-    let silhouette = |point_format| SilhouetteMap { resolution, point_format, ..SilhouetteMap::default() }.into();
+    let silhouette =
+        |point_format| SilhouetteMap { resolution, point_format, ..SilhouetteMap::default() }.into();
     [
         ("map", map(1)),
         ("map, pcf 3", map(3)),
@@ -211,7 +214,8 @@ fn errors_of(
     let texels: &[u32] = if bench.effort.ends_only { &FEW_TEXELS } else { &TEXELS };
     let mut references = KnownReferences::default();
     let mut right_enough = [None; 2];
-    let mut lines = techniques(1).map(|(label, _)| PlottedLine { name: label.into(), ..PlottedLine::default() });
+    let mut lines =
+        techniques(1).map(|(label, _)| PlottedLine { name: label.into(), ..PlottedLine::default() });
     for &resolution in texels {
         for (index, (label, node)) in techniques(resolution).into_iter().enumerate() {
             let error = bench.judge(&shadowed(scene, node), &mut references)?.errors.swap_remove(0);
@@ -252,7 +256,11 @@ fn errors_of(
     for (label, node) in techniques(THEIR_TEXELS).into_iter().step_by(2) {
         let caption = format!("{name}, {label} of 512 texels");
         let picture = format!("004-table1-{name}-{label}");
-        entry.pictures.push(bench.picture(&shadowed(scene, node), Exposure::default(), (&picture, caption))?);
+        entry.pictures.push(bench.picture(
+            &shadowed(scene, node),
+            Exposure::default(),
+            (&picture, caption),
+        )?);
     }
     Ok(right_enough)
 }
@@ -276,7 +284,9 @@ fn times_of(
         ("silhouette 2048".into(), Some(silhouette(2048).into())),
     ];
     timed.extend(map_texels.map(|n| (format!("map {n}: 0.1 % wrong"), Some(map(n).into()))));
-    timed.extend(silhouette_texels.map(|n| (format!("silhouette {n}: 0.1 % wrong"), Some(silhouette(n).into()))));
+    timed.extend(
+        silhouette_texels.map(|n| (format!("silhouette {n}: 0.1 % wrong"), Some(silhouette(n).into()))),
+    );
     let mut runners = Vec::new();
     for (_, node) in &timed {
         let scene = node.as_ref().map_or(scene.clone(), |node| shadowed(scene, node.clone()));

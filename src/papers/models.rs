@@ -41,12 +41,7 @@ pub(super) fn matt(color: Vec3) -> Material {
 /// Of a surface (1 − `alpha`)·`color` of the light passes.
 pub(super) fn glass(color: Vec3, alpha: f32) -> Material {
     let base_color = color.extend(alpha);
-    Material {
-        base_color,
-        alpha_mode: AlphaMode::Blend,
-        roughness: 0.25,
-        ..Material::matt("glass", color)
-    }
+    Material { base_color, alpha_mode: AlphaMode::Blend, roughness: 0.25, ..Material::matt("glass", color) }
 }
 
 /// A box.

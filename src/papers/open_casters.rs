@@ -2,8 +2,8 @@
 //! and its Fig. 6 with both ways to count.
 
 use glam::{DVec3, Vec3};
-use shadowgraph_engine::geometry::shapes::{self, Ends};
 use shadowgraph_engine::geometry::MeshData;
+use shadowgraph_engine::geometry::shapes::{self, Ends};
 use shadowgraph_engine::render::{Exposure, FrameRequest};
 use shadowgraph_engine::scene::{Scene, ShadowNode};
 use shadowgraph_measure::report::{Entry, Figure, Table, TableCell};
@@ -42,7 +42,11 @@ pub(super) fn fig_3(bench: &mut Bench<'_>) -> Made<Entry> {
         };
         entry.figures.push(said);
         entry.figures.extend((key == "without").then(|| {
-            Figure::new("without.leak", "of these lit where they should be dark", error.leak_outside_band as f64)
+            Figure::new(
+                "without.leak",
+                "of these lit where they should be dark",
+                error.leak_outside_band as f64,
+            )
         }));
         if key.starts_with("closed") {
             continue;
@@ -71,14 +75,17 @@ fn error_map(judged: &Evaluation, name: &str) -> Made<shadowgraph_measure::repor
 
 /// A box without its lid, a tube and a cone, or their solids.
 fn three_casters(ends: Ends) -> Result<Scene, ModelError> {
-    let mut scene = stage(6.0, DVec3::new(-1.8, 4.6, 1.4), [DVec3::new(2.0, 2.5, 4.0), DVec3::new(0.55, 0.4, 0.0)])?;
+    let mut scene =
+        stage(6.0, DVec3::new(-1.8, 4.6, 1.4), [DVec3::new(2.0, 2.5, 4.0), DVec3::new(0.55, 0.4, 0.0)])?;
     let (min, max) = ([-1.2, 0.5, -0.4], [-0.4, 1.1, 0.4]);
     let case = if ends == Ends::Open { open_box(min, max) } else { block(min, max) };
     let tilt = glam::DAffine3::from_rotation_z(0.7);
     let tube = shapes::cylinder(0.3, 0.9, 24, ends).transformed(&tilt).moved(Vec3::new(0.5, 0.7, -0.5));
     let shade = shapes::frustum(0.5, 0.2, 0.5, 24, ends).moved(Vec3::new(1.3, 0.9, 0.6));
     let colors = [Vec3::new(0.8, 0.45, 0.2), Vec3::new(0.25, 0.5, 0.75), Vec3::new(0.85, 0.8, 0.55)];
-    for (data, color) in [case.named("case"), tube.named("tube"), shade.named("shade")].into_iter().zip(colors) {
+    for (data, color) in
+        [case.named("case"), tube.named("tube"), shade.named("shade")].into_iter().zip(colors)
+    {
         add(&mut scene, data, matt(color))?;
     }
     Ok(scene)
@@ -103,7 +110,11 @@ pub(super) fn overlap(bench: &mut Bench<'_>) -> Made<Entry> {
             let what = format!("{count} {kind} volumes over each other");
             let figure = wrong(&format!("{kind}-{count}"), &what, &judged.errors[0]);
             let fails = count >= theirs;
-            entry.figures.push(figure.beside_words(if fails { "“artefacts may appear”" } else { "right" }));
+            entry.figures.push(figure.beside_words(if fails {
+                "“artefacts may appear”"
+            } else {
+                "right"
+            }));
             if (count, kind) == (256, "open") {
                 let caption = "256 sheets over each other: a shadow behind all of them";
                 entry.pictures.push(bench.picture(&scene, Exposure::default(), ("002-overlap", caption))?);

@@ -16,7 +16,8 @@ use crate::demo;
 
 /// Linear green of every pixel.
 fn linear(bench: &mut Bench<'_>, scene: &Scene) -> Made<Vec<f64>> {
-    let frame = bench.frame(scene, |request: &mut FrameRequest| request.picture = PictureFormat::LinearF32)?;
+    let frame =
+        bench.frame(scene, |request: &mut FrameRequest| request.picture = PictureFormat::LinearF32)?;
     let pixels = frame.picture.ok_or(PaperError::Missing("a frame's picture"))?;
     let floats = pixels.floats().map_err(shadowgraph_engine::render::RenderError::from)?;
     Ok(floats.chunks_exact(4).map(|rgba| f64::from(rgba[1])).collect())
@@ -42,7 +43,8 @@ pub(super) fn single_against_multi(bench: &mut Bench<'_>) -> Made<Entry> {
             && reference.lights.iter().all(|light| light.compared[*pixel] && !light.ambiguous[*pixel])
     };
     let dark = |count: usize| -> Vec<usize> {
-        let darkened = |pixel: &usize| reference.lights.iter().filter(|light| light.factor[*pixel] == 0.0).count();
+        let darkened =
+            |pixel: &usize| reference.lights.iter().filter(|light| light.factor[*pixel] == 0.0).count();
         (0..reference.hits.len()).filter(clear).filter(|pixel| darkened(pixel) == count).collect()
     };
     let (whole, multi, single_picture) =
@@ -111,8 +113,12 @@ fn against_lamps(bench: &mut Bench<'_>, single: ShadowVolumeHard) -> Made<(Plott
     };
     let ratio = |row: usize| {
         let ratio = rounds.ratio(row, few + row);
-        Figure::spread(format!("multi-of-single.{}", lamps[row]), format!("lamps: {}; multi: frame, of single's", lamps[row]), ratio)
-            .beside_words("“much more expensive”")
+        Figure::spread(
+            format!("multi-of-single.{}", lamps[row]),
+            format!("lamps: {}; multi: frame, of single's", lamps[row]),
+            ratio,
+        )
+        .beside_words("“much more expensive”")
     };
     Ok((plot, vec![ratio(0), ratio(few - 1)]))
 }
@@ -121,8 +127,16 @@ fn against_lamps(bench: &mut Bench<'_>, single: ShadowVolumeHard) -> Made<(Plott
 fn crossing() -> Result<Scene, ModelError> {
     let mut scene = Scene::new();
     floor(&mut scene, 6.0)?;
-    add(&mut scene, block([-0.25, 0.0, -0.25], [0.25, 1.4, 0.25]).named("post"), matt(Vec3::new(0.3, 0.5, 0.75)))?;
-    add(&mut scene, block([-1.4, 0.7, 0.9], [1.4, 0.85, 1.05]).named("beam"), matt(Vec3::new(0.8, 0.5, 0.3)))?;
+    add(
+        &mut scene,
+        block([-0.25, 0.0, -0.25], [0.25, 1.4, 0.25]).named("post"),
+        matt(Vec3::new(0.3, 0.5, 0.75)),
+    )?;
+    add(
+        &mut scene,
+        block([-1.4, 0.7, 0.9], [1.4, 0.85, 1.05]).named("beam"),
+        matt(Vec3::new(0.8, 0.5, 0.3)),
+    )?;
     for (name, x) in [("left", -1.6), ("right", 1.6)] {
         scene.add_lamp(Light::point(name, 70.0), DVec3::new(x, 4.2, -2.4));
     }
@@ -140,7 +154,8 @@ pub(super) fn highlight(bench: &mut Bench<'_>) -> Made<Entry> {
     let per_pixel = shadowed(&scene, soft);
     let darkened = shadowed(&scene, ShadowVolumeSoft { apply: Apply::Darken, weight: WEIGHT, ..soft });
     // All of the lamp is hidden there; the floor is instance 0.
-    let hard = bench.judge(&shadowed(&scene, ShadowVolumeHard::default()), &mut KnownReferences::default())?;
+    let hard =
+        bench.judge(&shadowed(&scene, ShadowVolumeHard::default()), &mut KnownReferences::default())?;
     let hidden = |pixel: &usize| {
         let light = &hard.reference.lights[0];
         let on_floor = hard.reference.hits[*pixel].is_some_and(|hit| hit.instance == 0);
@@ -158,15 +173,31 @@ pub(super) fn highlight(bench: &mut Bench<'_>) -> Made<Entry> {
     };
     let (right, left) = (linear(bench, &per_pixel)?, linear(bench, &darkened)?);
     let figures = vec![
-        Figure::new("whole", "radiance of the highlight's brightest pixel, without the shadow", whole[brightest]),
-        Figure::new("right", "the same where the shadow is applied to the light: what else there is", right[brightest]),
+        Figure::new(
+            "whole",
+            "radiance of the highlight's brightest pixel, without the shadow",
+            whole[brightest],
+        ),
+        Figure::new(
+            "right",
+            "the same where the shadow is applied to the light: what else there is",
+            right[brightest],
+        ),
         Figure::new("darkened", "the same where the picture is darkened by 0.7", left[brightest])
             .beside_words("“still visible, albeit darkened”"),
-        Figure::new("whole-contrast", "how much brighter than around it, without the shadow", stands_out(&whole)),
+        Figure::new(
+            "whole-contrast",
+            "how much brighter than around it, without the shadow",
+            stands_out(&whole),
+        ),
         Figure::new("right-contrast", "the same, applied to the light", stands_out(&right)),
         Figure::new("darkened-contrast", "the same, the picture darkened", stands_out(&left)),
-        Figure::new("darkened-share", "of the highlight's contrast darkening leaves", stands_out(&left) / stands_out(&whole))
-            .beside(1.0 - WEIGHT),
+        Figure::new(
+            "darkened-share",
+            "of the highlight's contrast darkening leaves",
+            stands_out(&left) / stands_out(&whole),
+        )
+        .beside(1.0 - WEIGHT),
     ];
     Ok(Entry {
         sentence: "Darkening the finished picture dims the lamp's mirror image, which a shadow should hide: a highlight stays in the \
@@ -187,9 +218,17 @@ fn polished() -> Result<Scene, ModelError> {
     let mut scene = Scene::new();
     let polished = Material { roughness: 0.25, ..Material::matt("polished", Vec3::splat(0.25)) };
     add(&mut scene, shapes::plane(glam::Vec2::splat(6.0)).named("floor"), polished)?;
-    add(&mut scene, block([-0.8, 1.2, -1.3], [0.8, 1.3, -0.4]).named("board"), matt(Vec3::new(0.7, 0.4, 0.25)))?;
+    add(
+        &mut scene,
+        block([-0.8, 1.2, -1.3], [0.8, 1.3, -0.4]).named("board"),
+        matt(Vec3::new(0.7, 0.4, 0.25)),
+    )?;
     scene.add_lamp(Light::point("lamp", 30.0), DVec3::new(0.0, 3.0, -2.4));
     scene.set_ambient(Vec3::splat(0.15));
-    scene.add_camera(Camera::perspective("main", 0.75), DVec3::new(0.0, 2.0, 2.6), DVec3::new(0.0, 0.3, -0.4));
+    scene.add_camera(
+        Camera::perspective("main", 0.75),
+        DVec3::new(0.0, 2.0, 2.6),
+        DVec3::new(0.0, 0.3, -0.4),
+    );
     Ok(scene)
 }

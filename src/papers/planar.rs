@@ -76,7 +76,10 @@ pub(super) fn fig_5(bench: &mut Bench<'_>) -> Made<Entry> {
     for &resolution in textures {
         let texture = SoftShadow { mode: PlanarMode::Texture, resolution, samples: 64, ..soft };
         let off = bench.judge_soft(&stage.with(texture), &mut references)?;
-        rows.push(vec![format!("64 points, texture of {resolution} texels").into(), off.penumbra_rmse.into()]);
+        rows.push(vec![
+            format!("64 points, texture of {resolution} texels").into(),
+            off.penumbra_rmse.into(),
+        ]);
         figures.push(Figure::new(
             format!("texels-{resolution}"),
             format!("texture of {resolution} texels: RMSE in the penumbra"),
@@ -185,9 +188,11 @@ pub(super) fn hard_against_planar(bench: &mut Bench<'_>) -> Made<Entry> {
             figures.push(Figure::spread(format!("{key}.adds"), what, adds).in_unit("ms"));
         }
     }
-    let ratio = Figure::spread("volumes.of-direct", "hard volumes: frame, of hard planar direct", rounds.ratio(1, 2));
+    let ratio =
+        Figure::spread("volumes.of-direct", "hard volumes: frame, of hard planar direct", rounds.ratio(1, 2));
     figures.push(ratio.beside_words("“significantly higher”"));
-    let ratio = Figure::spread("volumes.of-texture", "hard volumes: frame, of a kept texture's", rounds.ratio(1, 3));
+    let ratio =
+        Figure::spread("volumes.of-texture", "hard volumes: frame, of a kept texture's", rounds.ratio(1, 3));
     figures.push(ratio.beside_words("“very fast”"));
     Ok(Entry {
         sentence: "Flattened casters shade the planes that are named and nothing else; volumes shade everything, the caster too. \

@@ -16,8 +16,8 @@ use shadowgraph_engine::plan::{
 };
 use shadowgraph_engine::scene::{Instance, Params};
 use shadowgraph_engine::shadow::{
-    Binding, Contribution, DepthTarget, Draw, Geometry, LightContext, OptionTable, Pass, PassList, ShadowError,
-    ShadowTechnique, TechniqueEntry, Traits, hash_of,
+    Binding, Contribution, DepthTarget, Draw, Geometry, LightContext, OptionTable, Pass, PassList,
+    ShadowError, ShadowTechnique, TechniqueEntry, Traits, hash_of,
 };
 
 /// How the chapter's catalog knows it.

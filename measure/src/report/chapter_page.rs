@@ -16,22 +16,25 @@ const FIGURES: &[Column<Figure>] = &[
 pub(super) fn page(chapter: &Chapter) -> String {
     let [width, height] = chapter.size_px;
     let data = format!("{}.json", chapter.stem);
-    document(&format!("Shadowgraph: {}", chapter.title), &html! {
-        header {
-            h1 { (chapter.title) }
-            p { (chapter.lead) }
-            p.facts {
-                "Adapter: " strong { (chapter.adapter) } ". Timed frames of " (width) "×" (height) " pixels, "
-                (chapter.processors) " processors, effort “" (chapter.effort) "”, Shadowgraph "
-                (env!("CARGO_PKG_VERSION")) "."
+    document(
+        &format!("Shadowgraph: {}", chapter.title),
+        &html! {
+            header {
+                h1 { (chapter.title) }
+                p { (chapter.lead) }
+                p.facts {
+                    "Adapter: " strong { (chapter.adapter) } ". Timed frames of " (width) "×" (height) " pixels, "
+                    (chapter.processors) " processors, effort “" (chapter.effort) "”, Shadowgraph "
+                    (env!("CARGO_PKG_VERSION")) "."
+                }
+                ul.nav {
+                    @for entry in &chapter.entries { li { a href=(format!("#{}", entry.id)) { (entry.title) } } }
+                    li { a href=(data) { "JSON" } }
+                }
             }
-            ul.nav {
-                @for entry in &chapter.entries { li { a href=(format!("#{}", entry.id)) { (entry.title) } } }
-                li { a href=(data) { "JSON" } }
-            }
-        }
-        main { @for entry in &chapter.entries { (section(entry)) } }
-    })
+            main { @for entry in &chapter.entries { (section(entry)) } }
+        },
+    )
 }
 
 fn section(entry: &Entry) -> Markup {
@@ -66,9 +69,8 @@ fn section(entry: &Entry) -> Markup {
 
 /// A table whose columns are known only as it is made.
 fn rows_of(rows: &Table) -> Markup {
-    let is_number = |column: usize| {
-        rows.rows.iter().any(|row| matches!(row.get(column), Some(TableCell::Number(_))))
-    };
+    let is_number =
+        |column: usize| rows.rows.iter().any(|row| matches!(row.get(column), Some(TableCell::Number(_))));
     let cell = |cell: &TableCell| match cell {
         TableCell::Text(text) => Cell::text(text),
         TableCell::Number(number) => Cell::of(*number),

@@ -105,29 +105,32 @@ const NAVIGATION: [(&str, &str); 8] = [
 
 pub(super) fn page(report: &Report) -> String {
     let [width, height] = report.size_px;
-    document("Shadowgraph: speed against error", &html! {
-        header {
-            h1 { "Speed against error" }
-            p.facts {
-                "Adapter: " strong { (report.adapter) } ". Scenes at " (width) "×" (height) " pixels, "
-                (report.processors) " processors, effort “" (report.effort) "”, Shadowgraph "
-                (env!("CARGO_PKG_VERSION")) "."
+    document(
+        "Shadowgraph: speed against error",
+        &html! {
+            header {
+                h1 { "Speed against error" }
+                p.facts {
+                    "Adapter: " strong { (report.adapter) } ". Scenes at " (width) "×" (height) " pixels, "
+                    (report.processors) " processors, effort “" (report.effort) "”, Shadowgraph "
+                    (env!("CARGO_PKG_VERSION")) "."
+                }
+                ul.nav { @for (place, name) in NAVIGATION { li { a href=(place) { (name) } } } }
             }
-            ul.nav { @for (place, name) in NAVIGATION { li { a href=(place) { (name) } } } }
-        }
-        main {
-            (how_to_read())
-            (all_scenes(report))
-            section #scenes {
-                h2 { "Scene by scene" }
-                @if report.scenes.is_empty() { (not_measured()) }
-                @for scene in &report.scenes { (html_scene::scene(report, scene)) }
+            main {
+                (how_to_read())
+                (all_scenes(report))
+                section #scenes {
+                    h2 { "Scene by scene" }
+                    @if report.scenes.is_empty() { (not_measured()) }
+                    @for scene in &report.scenes { (html_scene::scene(report, scene)) }
+                }
+                (cost(report))
+                (sweeps(report))
+                (refused(report))
             }
-            (cost(report))
-            (sweeps(report))
-            (refused(report))
-        }
-    })
+        },
+    )
 }
 
 /// A page with the report's looks.

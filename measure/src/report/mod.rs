@@ -38,7 +38,8 @@ mod totals;
 use std::path::PathBuf;
 
 pub use chapter::{
-    Chapter, Drawn, Entry, Figure, Picture, Plotted, PlottedLine, PlottedPoint, Table, TableCell, Theirs, chapter_files,
+    Chapter, Drawn, Entry, Figure, Picture, Plotted, PlottedLine, PlottedPoint, Table, TableCell, Theirs,
+    chapter_files,
 };
 pub use data::{
     AxisReport, AxisStep, Measurement, Outcome, PassReport, Point, Report, ReportScene, SceneReport,
