@@ -22,7 +22,8 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
 
     let renderer = open_with(args.adapter.as_deref(), shadowgraph::nodes::catalog())?;
     let start = Instant::now();
-    let bar = progress_bar();
+    // Entries differ too much for a guess at what is left.
+    let bar = progress_bar("{bar:30} {pos}/{len} {elapsed:>4}: {wide_msg}");
     let chapter = papers::run(renderer.gpu(), &effort, &|done, all, what| {
         bar.set_length(all as u64);
         bar.set_position(done as u64);

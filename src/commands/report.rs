@@ -136,7 +136,7 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let renderer = open_with(args.adapter.as_deref(), shadowgraph::nodes::catalog())?;
     let mut references = args.references.as_deref().map_or_else(References::in_memory, References::in_folder);
     let start = Instant::now();
-    let bar = progress_bar();
+    let bar = progress_bar("{bar:30} {pos}/{len} {elapsed:>4}, about {eta} left: {wide_msg}");
     let report = report::run(
         renderer.gpu(),
         renderer.catalog(),
@@ -182,11 +182,9 @@ pub(super) fn stage(
 }
 
 /// On stderr, and only where somebody looks.
-pub(super) fn progress_bar() -> ProgressBar {
+pub(super) fn progress_bar(template: &str) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-    if let Ok(style) =
-        ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed:>4}, about {eta} left: {wide_msg}")
-    {
+    if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
     bar.enable_steady_tick(std::time::Duration::from_millis(500));

@@ -132,9 +132,14 @@ impl<'a> Bench<'a> {
 
     /// Times one frame of every scene in turn, round after round, at the timed size.
     pub(super) fn rounds(&self, scenes: &[Scene]) -> Made<Rounds> {
+        self.rounds_at(scenes, self.effort.size_px)
+    }
+
+    /// The same at another size.
+    pub(super) fn rounds_at(&self, scenes: &[Scene], size_px: [u32; 2]) -> Made<Rounds> {
         let mut runners = Vec::new();
         for scene in scenes {
-            let request = FrameRequest::new(camera(scene)?, self.effort.size_px);
+            let request = FrameRequest::new(camera(scene)?, size_px);
             runners.push(Runner { renderer: self.another_renderer(), scene: scene.clone(), request });
         }
         Ok(Rounds { times_ms: take_turns(&mut runners, &self.effort.pace)? })
@@ -174,8 +179,33 @@ impl<'a> Bench<'a> {
     }
 
     /// The scene from its first camera, averaged from more pixels where the effort says so.
-    pub(super) fn image(&mut self, scene: &Scene, exposure: Exposure) -> Made<RgbaImage> {
-        let size_px = self.effort.picture_px.map(|side| side * self.effort.oversampling);
+    pub(super) fn picture(
+        &mut self,
+        scene: &Scene,
+        exposure: Exposure,
+        named: (&str, impl Into<String>),
+    ) -> Made<Picture> {
+        self.averaged(scene, exposure, named, self.effort.oversampling)
+    }
+
+    /// The same from as many pixels as it has.
+    pub(super) fn plain_picture(
+        &mut self,
+        scene: &Scene,
+        exposure: Exposure,
+        named: (&str, impl Into<String>),
+    ) -> Made<Picture> {
+        self.averaged(scene, exposure, named, 1)
+    }
+
+    fn averaged(
+        &mut self,
+        scene: &Scene,
+        exposure: Exposure,
+        (name, caption): (&str, impl Into<String>),
+        oversampling: u32,
+    ) -> Made<Picture> {
+        let size_px = self.effort.picture_px.map(|side| side * oversampling);
         let request = FrameRequest::new(camera(scene)?, size_px);
         let options = RenderOptions { exposure, read_picture: true, ..RenderOptions::default() };
         let frame = self.renderer.render(scene, &request, &options)?;
@@ -183,17 +213,7 @@ impl<'a> Bench<'a> {
         let large = RgbaImage::from_raw(size_px[0], size_px[1], pixels.bytes)
             .ok_or(PaperError::Missing("a part of a frame's picture"))?;
         let [width, height] = self.effort.picture_px;
-        Ok(imageops::resize(&large, width, height, imageops::FilterType::Triangle))
-    }
-
-    /// [`Bench::image`] as a picture of the chapter.
-    pub(super) fn picture(
-        &mut self,
-        scene: &Scene,
-        exposure: Exposure,
-        (name, caption): (&str, impl Into<String>),
-    ) -> Made<Picture> {
-        let image = self.image(scene, exposure)?;
+        let image = imageops::resize(&large, width, height, imageops::FilterType::Triangle);
         picture(name, caption, &image)
     }
 }

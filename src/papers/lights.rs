@@ -28,9 +28,8 @@ pub(super) fn fig_8(bench: &mut Bench<'_>) -> Made<Entry> {
         };
         counts.iter().enumerate().map(point).collect()
     };
-    let (per_second, itself): (fn(f64) -> f64, fn(f64) -> f64) = (|ms| 1e3 / ms, |ms| ms);
-    let [without_ms, with_ms] = [0, few].map(|first| points(first, itself));
-    let [without_fps, with_fps] = [0, few].map(|first| points(first, per_second));
+    let [without_ms, with_ms] = [0, few].map(|first| points(first, |ms| ms));
+    let [without_fps, with_fps] = [0, few].map(|first| points(first, |ms| 1e3 / ms));
     let of_ms = fitted(&with_ms)?;
     let of_fps = fitted(&with_fps)?;
     let picture = dark.last().ok_or(PaperError::Missing("a scene"))?;

@@ -112,8 +112,8 @@ pub(super) fn fig_5(bench: &mut Bench<'_>) -> Made<Entry> {
             lines: vec![PlottedLine { drawn: Drawn::Joined, ..line }],
         }],
         pictures: vec![
-            bench.picture(&stage.with(soft), Exposure::default(), ("002-fig5", "256 points, direct"))?,
-            bench.picture(&stage.with(few), Exposure::default(), ("002-fig5-few", "4 points: steps"))?,
+            bench.picture(&near.with(soft), Exposure::default(), ("002-fig5", "256 points, direct"))?,
+            bench.picture(&near.with(few), Exposure::default(), ("002-fig5-few", "4 points: steps"))?,
             bench.picture(&near.with(jagged), Exposure::default(), ("002-fig5-texels", "a texture of 64 texels, from near"))?,
         ],
         ..Entry::default()
