@@ -87,12 +87,13 @@ impl Effort {
         ends_only: true,
     };
 
-    /// The same with timed frames of another size; pictures have at most that size.
+    /// The same with timed frames of another size. Pictures have its shape, and at most as many pixels as they had.
     #[must_use]
     pub fn sized(self, size_px: [u32; 2]) -> Self {
-        let at_most = |own: [u32; 2]| {
-            let shrink = (0..2).map(|i| f64::from(size_px[i]) / f64::from(own[i])).fold(1.0, f64::min);
-            if shrink < 1.0 { size_px.map(|side| side.min(own[0].max(own[1]))) } else { own }
+        let pixels = |[width, height]: [u32; 2]| f64::from(width) * f64::from(height);
+        let at_most = |own_px: [u32; 2]| {
+            let scale = (pixels(own_px) / pixels(size_px)).sqrt().min(1.0);
+            size_px.map(|side| ((f64::from(side) * scale).round() as u32).max(1))
         };
         Self { size_px, picture_px: at_most(self.picture_px), soft_px: at_most(self.soft_px), ..self }
     }
@@ -286,5 +287,25 @@ impl Rounds {
     /// How many rounds there were.
     pub(super) fn count(&self) -> usize {
         self.times_ms.first().map_or(0, Vec::len)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_have_the_shape_of_frames_and_no_more_pixels_than_they_had() {
+        let small = Effort::QUICK.sized([96, 54]);
+        assert_eq!((small.size_px, small.picture_px, small.soft_px), ([96, 54], [96, 54], [64, 36]));
+        let square = Effort::DEFAULT.sized([400, 400]);
+        assert_eq!((square.picture_px, square.soft_px), ([400, 400], [144, 144]));
+    }
+
+    #[test]
+    fn rounds_are_compared_within_themselves() {
+        let rounds = Rounds { times_ms: vec![vec![1.0, 2.0, 10.0], vec![2.0, 4.0, 20.0]] };
+        assert_eq!((rounds.ratio(1, 0).median, rounds.ratio(1, 0).max, rounds.count()), (2.0, 2.0, 3));
+        assert_eq!(rounds.adds(1, 0).max, 10.0);
     }
 }
