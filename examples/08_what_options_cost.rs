@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         [("no shadows", None), ("passes=multi", Some(auto)), ("passes=single", Some(single))];
     let knot = demo::speed().swap_remove(0).2;
     for lights in [1, 4, 16] {
-        table(&format!("knot13k under {lights} lamps"), &common::under_lamps(&knot, lights)?, &passes)?;
+        table(&format!("knot13k under {lights} lamps"), &demo::under_lamps(&knot, lights), &passes)?;
     }
     Ok(())
 }
@@ -81,13 +81,12 @@ fn stack(layers: u32) -> Result<Scene, Box<dyn Error>> {
 }
 
 /// The scene with its shadow nodes replaced by the row's.
-fn with_row(scene: &Scene, node: Option<ShadowVolumeHard>) -> Result<Scene, Box<dyn Error>> {
-    let mut scene = scene.clone();
-    common::remove(&mut scene, |content| matches!(content, Content::Shadow(_)))?;
+fn with_row(scene: &Scene, node: Option<ShadowVolumeHard>) -> Scene {
+    let mut scene = demo::without_shadows(scene);
     if let Some(node) = node {
         scene.add_shadow("shadows", node);
     }
-    Ok(scene)
+    scene
 }
 
 fn table(name: &str, scene: &Scene, rows: &[Row]) -> Result<(), Box<dyn Error>> {
@@ -101,7 +100,7 @@ fn table(name: &str, scene: &Scene, rows: &[Row]) -> Result<(), Box<dyn Error>> 
     for (_, node) in rows {
         runners.push(Runner {
             renderer: common::renderer(shadowgraph_nodes::catalog())?,
-            scene: with_row(scene, *node)?,
+            scene: with_row(scene, *node),
             request: request.clone(),
         });
     }

@@ -1,8 +1,8 @@
-//! Frame time against the number of lights, with hard shadows and without: Fig. 8 of "Real-time shadow generation"
-//! (IJMA 3/3, 2011) made again.
+//! Frame time against the number of lights, with hard shadows and without, of any scene. (`shadowgraph report --papers` fits a line
+//! through such times, as Fig. 8 of paper 001 does.)
 //!
 //! `cargo run --example 09_time_against_lights [SCENE.glb]` prints rows of comma-separated values; lights stand in a ring
-//! above the scene. The figure's own axis is frames a second; that is the last two columns.
+//! above the scene.
 #![allow(clippy::print_stdout, reason = "printing rows is what it is for")]
 
 mod common;
@@ -20,14 +20,14 @@ const PACE: Pace = Pace { min_rounds: 3, max_rounds: 11, budget: Duration::from_
 const LIGHTS: [u32; 10] = [1, 2, 3, 4, 6, 8, 12, 16, 32, 64];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut base = match std::env::args().nth(1) {
+    let base = match std::env::args().nth(1) {
         Some(path) => gltf::load(path)?.scene,
         None => demo::speed().swap_remove(0).2,
     };
-    common::remove(&mut base, |content| matches!(content, Content::Shadow(_)))?;
+    let base = demo::without_shadows(&base);
     println!("lights,unshadowed_ms,shadowed_ms,shadow_ms_per_light,unshadowed_fps,shadowed_fps");
     for count in LIGHTS {
-        let lit = common::under_lamps(&base, count)?;
+        let lit = demo::under_lamps(&base, count);
         let mut shadowed = lit.clone();
         shadowed.add_shadow("shadows", ShadowVolumeHard::default());
         let mut runners = Vec::new();

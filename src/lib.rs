@@ -25,6 +25,7 @@
 //! ```
 
 pub mod demo;
+pub mod papers;
 mod picture;
 pub mod search;
 

@@ -1,4 +1,4 @@
-//! What the examples share: opening the adapter, rendering a scene, putting a picture into `out/`, and lamps in a ring.
+//! What the examples share: opening the adapter, rendering a scene, and putting a picture into `out/`.
 #![allow(
     dead_code,
     clippy::print_stdout,
@@ -55,25 +55,4 @@ pub(crate) fn picture(
 /// Says where a file is and which adapter made it.
 pub(crate) fn told(renderer: &Renderer, path: &Path) {
     println!("{} drawn by {}", path.display(), renderer.gpu().name());
-}
-
-/// Takes out every node of this kind.
-pub(crate) fn remove(scene: &mut Scene, which: fn(&Content) -> bool) -> Result<(), Box<dyn Error>> {
-    let nodes = scene.nodes().filter(|(_, node)| which(&node.content)).map(|(key, _)| key);
-    for key in nodes.collect::<Vec<_>>() {
-        scene.remove(key)?;
-    }
-    Ok(())
-}
-
-/// `base` with `count` lamps in a ring above it in place of its lights; they give as much light together, however many.
-pub(crate) fn under_lamps(base: &Scene, count: u32) -> Result<Scene, Box<dyn Error>> {
-    let mut scene = base.clone();
-    remove(&mut scene, |content| matches!(content, Content::Light(_)))?;
-    for i in 0..count {
-        let angle = std::f64::consts::TAU * f64::from(i) / f64::from(count) + 0.6;
-        let place = DVec3::new(3.6 * angle.cos(), 6.5, 3.6 * angle.sin());
-        scene.add_light(Light::point(&format!("lamp{i}"), 160.0 / count as f32), place, DVec3::ZERO);
-    }
-    Ok(scene)
 }

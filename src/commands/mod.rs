@@ -7,6 +7,7 @@ mod files;
 mod fuzz;
 mod inspect;
 mod output;
+mod papers;
 mod render;
 mod report;
 mod scenes;
@@ -45,7 +46,8 @@ enum Command {
     /// Measures every technique on a list of scenes: speed against error as pages, plots and tables.
     ///
     /// A technique that refuses a scene is shown as refused. What fails is listed in the report and does not stop the
-    /// rest; the exit code is then 1.
+    /// rest; the exit code is then 1. With --papers the tables and figures of the implemented papers are made again instead, ours
+    /// beside theirs.
     Report(Box<report::ReportArgs>),
     /// Renders the demo scenes and prints their speed and error.
     Demo(demo::DemoArgs),

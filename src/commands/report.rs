@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use shadowgraph::demo;
-use shadowgraph::measure::report::{self, Effort, Parts, References, Report, ReportFile, ReportScene};
+use shadowgraph::measure::report::{self, Effort, Parts, References, ReportFile, ReportScene};
 use shadowgraph::prelude::*;
 
 use super::Failure;
@@ -24,16 +24,20 @@ pub(crate) struct ReportArgs {
     scenes: Vec<PathBuf>,
     /// Where the report goes: index.html, report.csv, report.json, plots/ and pictures/.
     #[arg(short, long, value_name = "DIR")]
-    output: PathBuf,
+    pub(super) output: PathBuf,
+    /// Makes the tables and figures of the implemented papers again instead: papers.html, papers.json, plots/ and pictures/; about ten
+    /// minutes on two cores with the software driver, with --quick under one.
+    #[arg(long, conflicts_with_all = ["scenes", "full", "parts", "plot", "references", "outside_files", "memory"])]
+    papers: bool,
     /// Smaller frames, fewer sizes, and on the own scenes defaults only: under two minutes on two cores with the software driver.
     #[arg(long, conflicts_with = "full")]
-    quick: bool,
+    pub(super) quick: bool,
     /// Every setting everywhere, 4K and the largest sizes.
     #[arg(long)]
     full: bool,
     /// The size of the scenes' frames instead of that of the effort.
     #[arg(long, value_name = "WxH")]
-    size: Option<Size>,
+    pub(super) size: Option<Size>,
     /// What is measured: scenes, scaling, sweeps; several joined by commas.
     #[arg(long, value_name = "PARTS", value_delimiter = ',', default_value = "scenes,scaling,sweeps")]
     parts: Vec<Part>,
@@ -45,7 +49,7 @@ pub(crate) struct ReportArgs {
     references: Option<PathBuf>,
     /// The adapter whose name contains this.
     #[arg(long, value_name = "NAME")]
-    adapter: Option<String>,
+    pub(super) adapter: Option<String>,
     #[command(flatten)]
     trust: TrustArgs,
 }
@@ -116,6 +120,9 @@ fn from_file(name: String, path: &Path, trust: TrustArgs, read: &mut Vec<PathBuf
 }
 
 pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
+    if args.papers {
+        return super::papers::run(args);
+    }
     let effort = args.effort();
     let (scenes, read) = args.scenes();
     // Where the results go is checked before any time is spent on them.
@@ -129,7 +136,7 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let renderer = open_with(args.adapter.as_deref(), shadowgraph::nodes::catalog())?;
     let mut references = args.references.as_deref().map_or_else(References::in_memory, References::in_folder);
     let start = Instant::now();
-    let bar = progress_bar();
+    let bar = progress_bar("{bar:30} {pos}/{len} {elapsed:>4}, about {eta} left: {wide_msg}");
     let report = report::run(
         renderer.gpu(),
         renderer.catalog(),
@@ -156,11 +163,11 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     outputs.commit()?;
     note!("measured in {:.0} s", start.elapsed().as_secs_f64());
     out!("{}", index.display());
-    failed(&report)
+    failed(&report.failures())
 }
 
 /// A file of the report, with the folder it lies in.
-fn stage(
+pub(super) fn stage(
     outputs: &mut Outputs,
     folder: &Path,
     index: &Path,
@@ -175,11 +182,9 @@ fn stage(
 }
 
 /// On stderr, and only where somebody looks.
-fn progress_bar() -> ProgressBar {
+pub(super) fn progress_bar(template: &str) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-    if let Ok(style) =
-        ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed:>4}, about {eta} left: {wide_msg}")
-    {
+    if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
     bar.enable_steady_tick(std::time::Duration::from_millis(500));
@@ -187,9 +192,8 @@ fn progress_bar() -> ProgressBar {
 }
 
 /// The report is complete whatever failed; the exit code says that something did.
-fn failed(report: &Report) -> Result<(), Failure> {
-    let failures = report.failures();
-    match &failures[..] {
+pub(super) fn failed(failures: &[String]) -> Result<(), Failure> {
+    match failures {
         [] => Ok(()),
         [only] => Err(Failure::Other(format!("the report is written, but {only}"))),
         [first, rest @ ..] => Err(Failure::Other(format!(

@@ -16,10 +16,12 @@ pub(crate) mod speed;
 mod still_life;
 mod tentacles;
 mod valley;
+mod variants;
 
 use shadowgraph_engine::scene::Scene;
 
 pub use speed::speed;
+pub use variants::{under_lamps, without_shadows};
 
 /// Every demo scene: file stem, what it shows, the scene.
 pub fn all() -> Vec<(&'static str, &'static str, Scene)> {

@@ -12,6 +12,7 @@ mod bad_input;
 mod bad_scenes;
 mod command_line;
 mod files;
+mod papers;
 mod program;
 mod report;
 mod surroundings;

@@ -223,14 +223,14 @@ fn cost_and_sweeps_are_measured_for_every_technique() {
 }
 
 /// `attribute="value"` of every element of a page or plot.
-fn attributes<'a>(markup: &'a str, attribute: &str) -> Vec<&'a str> {
+pub(crate) fn attributes<'a>(markup: &'a str, attribute: &str) -> Vec<&'a str> {
     let start = format!(" {attribute}=\"");
     let values = markup.split(start.as_str()).skip(1);
     values.map(|rest| rest.split('"').next().unwrap_or_default()).collect()
 }
 
 /// Asserts that every element that is opened is closed, in order.
-fn assert_balanced(markup: &str) {
+pub(crate) fn assert_balanced(markup: &str) {
     const VOID: [&str; 4] = ["meta", "img", "br", "!DOCTYPE"];
     let mut open: Vec<&str> = Vec::new();
     for tag in markup.split('<').skip(1) {

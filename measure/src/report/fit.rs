@@ -1,4 +1,4 @@
-//! How cost grows: the exponent of a power law.
+//! How cost grows: the exponent of a power law, and straight lines.
 
 /// `y ∝ x^exponent` over the upper decade.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,9 +44,65 @@ pub fn fit(points: &[(f64, f64)]) -> Option<Fit> {
     Some(Fit { exponent, standard_error, at_one: offset.exp(), range, points: logs.len() })
 }
 
+/// `y = at_zero + slope·x`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// What y gains for each x.
+    pub slope: f64,
+    /// Its standard error; `None` with two points, which any line goes through.
+    pub standard_error: Option<f64>,
+    /// The fitted value at x = 0.
+    pub at_zero: f64,
+    /// The share of y's variance that the line explains: 1 for points on it.
+    pub r_squared: f64,
+    /// How far the points are from the line, root mean square, in the units of y.
+    pub residual: f64,
+}
+
+impl Line {
+    /// The fitted value at `x`.
+    pub fn at(&self, x: f64) -> f64 {
+        self.at_zero + self.slope * x
+    }
+}
+
+/// Fits a line through the points by least squares; `None` with fewer than two different x.
+pub fn line(points: &[(f64, f64)]) -> Option<Line> {
+    let count = points.len() as f64;
+    let mean = |value: fn(&(f64, f64)) -> f64| points.iter().map(value).sum::<f64>() / count;
+    let (mean_x, mean_y) = (mean(|p| p.0), mean(|p| p.1));
+    let spread_x: f64 = points.iter().map(|(x, _)| (x - mean_x).powi(2)).sum();
+    let spread_y: f64 = points.iter().map(|(_, y)| (y - mean_y).powi(2)).sum();
+    if points.len() < 2 || spread_x <= 0.0 {
+        return None;
+    }
+    let slope = points.iter().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum::<f64>() / spread_x;
+    let at_zero = mean_y - slope * mean_x;
+    let squares: f64 = points.iter().map(|(x, y)| (y - at_zero - slope * x).powi(2)).sum();
+    Some(Line {
+        slope,
+        standard_error: (points.len() > 2).then(|| (squares / (count - 2.0) / spread_x).sqrt()),
+        at_zero,
+        r_squared: if spread_y > 0.0 { 1.0 - squares / spread_y } else { 1.0 },
+        residual: (squares / count).sqrt(),
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_line_is_found_again_with_its_error() {
+        let exact = line(&[(1.0, 5.0), (2.0, 7.0), (4.0, 11.0)]).expect("three points");
+        assert!((exact.slope - 2.0).abs() < 1e-12 && (exact.at(10.0) - 23.0).abs() < 1e-12);
+        assert!((exact.r_squared - 1.0).abs() < 1e-12 && exact.residual < 1e-12);
+        // x = 0, 1, 2 and y = 0, 1, 3, as below: slope 1.5, residuals 1/6, −1/3, 1/6.
+        let bent = line(&[(0.0, 0.0), (1.0, 1.0), (2.0, 3.0)]).expect("three points");
+        assert!((bent.standard_error.expect("three points") - (1.0_f64 / 12.0).sqrt()).abs() < 1e-12);
+        assert!((bent.residual - (1.0_f64 / 18.0).sqrt()).abs() < 1e-12);
+        assert_eq!(line(&[(1.0, 2.0), (1.0, 3.0)]), None);
+    }
 
     #[test]
     fn a_power_law_is_found_again_and_only_the_upper_decade_counts() {

@@ -104,40 +104,48 @@ const NAVIGATION: [(&str, &str); 8] = [
 ];
 
 pub(super) fn page(report: &Report) -> String {
-    let style = style::variables() + &style::plot_rules() + style::PAGE_RULES;
     let [width, height] = report.size_px;
+    document(
+        "Shadowgraph: speed against error",
+        &html! {
+            header {
+                h1 { "Speed against error" }
+                p.facts {
+                    "Adapter: " strong { (report.adapter) } ". Scenes at " (width) "×" (height) " pixels, "
+                    (report.processors) " processors, effort “" (report.effort) "”, Shadowgraph "
+                    (env!("CARGO_PKG_VERSION")) "."
+                }
+                ul.nav { @for (place, name) in NAVIGATION { li { a href=(place) { (name) } } } }
+            }
+            main {
+                (how_to_read())
+                (all_scenes(report))
+                section #scenes {
+                    h2 { "Scene by scene" }
+                    @if report.scenes.is_empty() { (not_measured()) }
+                    @for scene in &report.scenes { (html_scene::scene(report, scene)) }
+                }
+                (cost(report))
+                (sweeps(report))
+                (refused(report))
+            }
+        },
+    )
+}
+
+/// A page with the report's looks.
+pub(super) fn document(title: &str, body: &Markup) -> String {
+    let style = style::variables() + &style::plot_rules() + style::PAGE_RULES;
     let page = html! {
         (DOCTYPE)
         html lang="en" {
             head {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Shadowgraph: speed against error" }
+                title { (title) }
                 style { (PreEscaped(style)) }
             }
-            body {
-                header {
-                    h1 { "Speed against error" }
-                    p.facts {
-                        "Adapter: " strong { (report.adapter) } ". Scenes at " (width) "×" (height) " pixels, "
-                        (report.processors) " processors, effort “" (report.effort) "”, Shadowgraph "
-                        (env!("CARGO_PKG_VERSION")) "."
-                    }
-                    ul.nav { @for (place, name) in NAVIGATION { li { a href=(place) { (name) } } } }
-                }
-                main {
-                    (how_to_read())
-                    (all_scenes(report))
-                    section #scenes {
-                        h2 { "Scene by scene" }
-                        @if report.scenes.is_empty() { (not_measured()) }
-                        @for scene in &report.scenes { (html_scene::scene(report, scene)) }
-                    }
-                    (cost(report))
-                    (sweeps(report))
-                    (refused(report))
-                }
-            }
+            body { (body) }
         }
     };
     // Neither HTML nor the reader has a use for other control characters.

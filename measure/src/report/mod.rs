@@ -1,6 +1,7 @@
 //! The report: every technique of a catalog with every quality setting on a list of scenes, its time beside its error.
 //!
-//! [`run`] measures, [`files`] makes the pages. Nothing here knows a technique: what is measured is what the catalog
+//! [`run`] measures, [`files`] makes the pages. A [`Chapter`] is a page beside the report, which
+//! holds figures up beside published ones. Nothing here knows a technique: what is measured is what the catalog
 //! holds and what each entry's `settings` name, so a technique from outside appears by being registered.
 //!
 //! *Time.* All settings of a scene are rendered in turn with the same frame without shadows, round after round, each by
@@ -11,6 +12,9 @@
 //! the tables show the error of all pixels as well.
 
 mod axes;
+mod chapter;
+mod chapter_page;
+mod chapter_plot;
 mod csv;
 mod data;
 mod effort;
@@ -33,12 +37,16 @@ mod totals;
 
 use std::path::PathBuf;
 
+pub use chapter::{
+    Chapter, Drawn, Entry, Figure, Picture, Plotted, PlottedLine, PlottedPoint, Table, TableCell, Theirs,
+    chapter_files,
+};
 pub use data::{
     AxisReport, AxisStep, Measurement, Outcome, PassReport, Point, Report, ReportScene, SceneReport,
     SweepReport, SweepStep,
 };
 pub use effort::{Effort, Parts, Steps};
-pub use fit::{Fit, fit};
+pub use fit::{Fit, Line, fit, line};
 pub use pareto::front;
 pub use references::References;
 pub use run::{Watch, run};
