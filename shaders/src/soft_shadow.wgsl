@@ -29,6 +29,11 @@ struct PlanarLight {
     center_point: u32,
     // Half the sides of a texture on the receiver.
     half_m: vec2f,
+    // 1 where no point lies under the receiver, else 0.
+    all_above: u32,
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
     // From the centre, along the axes of view space, in radii; w is 0 where the point lies under the receiver, else 1.
     points: array<vec4f>,
 }
@@ -108,35 +113,72 @@ fn weight(a: vec3f, towards: vec3f, rim: f32) -> f32 {
     return 1.0 / (cos_squared * sqrt(cos_squared) * points);
 }
 
-// What point `i` of the light counts for a receiver at `p`.
-fn weight_of_point(i: u32, p: vec3f) -> f32 {
+// The light as a receiver sees it. Read once: software adapters read storage word by word and pixel by pixel.
+struct SeenLight {
+    // Towards the receiver, from the light.
+    towards: vec3f,
+    // The sine of the ball's rim.
+    rim: f32,
+    weighs: bool,
+    inside: bool,
+    center_point: u32,
+}
+
+fn light_seen_from(p: vec3f) -> SeenLight {
+    let radius_m = light.radius_m;
     let away = p - light.center;
     let distance_m = length(away);
-    let weighs = light.radius_m > 0.0;
-    let inside = weighs && distance_m <= light.radius_m;
-    if (i == light.center_point) != inside {
-        return 0.0;
+    let weighs = radius_m > 0.0;
+    let inside = weighs && distance_m <= radius_m;
+    return SeenLight(away / distance_m, radius_m / distance_m, weighs, inside, light.center_point);
+}
+
+// What point `i` of the light, which is at `point`, counts for a receiver that sees the light so.
+fn weight_of_point(i: u32, point: vec3f, seen: SeenLight) -> f32 {
+    var w = 1.0;
+    if (i == seen.center_point) != seen.inside {
+        w = 0.0;
+    } else if seen.weighs && !seen.inside {
+        w = weight(point * seen.rim, seen.towards, seen.rim);
     }
-    if !weighs || inside {
-        return 1.0;
-    }
-    let rim = light.radius_m / distance_m;
-    return weight(light.points[i].xyz * rim, away / distance_m, rim);
+    return w;
+}
+
+// The bits of 32 points.
+fn bits_of(pixel: vec2u, layer: u32) -> vec4u {
+    return vec4u(textureLoad(shadowed_bits, pixel, layer, 0) * 255.0 + 0.5);
 }
 
 // The share of the light that reaches a receiver at `p`, whose bits are those of `pixel`.
 fn share_at(p: vec3f, pixel: vec2u) -> f32 {
+    let count = light.count;
+    // Most of a receiver sees all points or none, whatever they weigh.
+    var shadowed = 0u;
+    for (var layer = 0u; layer * 32u < count; layer += 1u) {
+        // Channels that the format lacks read as 0 or 1.
+        let points = clamp(vec4i(i32(count - layer * 32u)) - vec4i(0, 8, 16, 24), vec4i(0), vec4i(8));
+        let ones = countOneBits(bits_of(pixel, layer) & ((vec4u(1u) << vec4u(points)) - 1u));
+        shadowed += ones.x + ones.y + ones.z + ones.w;
+    }
+    if shadowed == count {
+        return 0.0;
+    }
+    if shadowed == 0u && light.all_above == 1u {
+        return 1.0;
+    }
+    let seen = light_seen_from(p);
     var lit = 0.0;
     var all = 0.0;
     var bits = vec4u(0u);
-    for (var i = 0u; i < light.count; i += 1u) {
+    for (var i = 0u; i < count; i += 1u) {
         if (i & 31u) == 0u {
-            bits = vec4u(textureLoad(shadowed_bits, pixel, i >> 5u, 0) * 255.0 + 0.5);
+            bits = bits_of(pixel, i >> 5u);
         }
-        let w = weight_of_point(i, p);
+        let point = light.points[i];
+        let w = weight_of_point(i, point.xyz, seen);
         all += w;
         let is_shadowed = ((bits[(i >> 3u) & 3u] >> (i & 7u)) & 1u) == 1u;
-        lit += select(w * light.points[i].w, 0.0, is_shadowed);
+        lit += select(w * point.w, 0.0, is_shadowed);
     }
     return lit / max(all, 1e-30);
 }
@@ -199,14 +241,16 @@ struct Chunk {
 // The colour of what arrives of some points of the light at a receiver at `p`, whose bits are those of `pixel`, times their
 // weights; and the weights: both over the number of all points.
 fn tinted_at(p: vec3f, pixel: vec2u) -> vec4f {
+    let seen = light_seen_from(p);
     var arrives = vec3f(0.0);
     var all = 0.0;
-    let bits = vec4u(textureLoad(shadowed_bits, pixel, chunk.first >> 5u, 0) * 255.0 + 0.5);
+    let bits = bits_of(pixel, chunk.first >> 5u);
     for (var i = chunk.first; i < chunk.end; i += 1u) {
-        let w = weight_of_point(i, p);
+        let point = light.points[i];
+        let w = weight_of_point(i, point.xyz, seen);
         all += w;
         let is_shadowed = ((bits[(i >> 3u) & 3u] >> (i & 7u)) & 1u) == 1u;
-        let lit = select(w * light.points[i].w, 0.0, is_shadowed);
+        let lit = select(w * point.w, 0.0, is_shadowed);
         if lit > 0.0 {
             arrives += lit * textureLoad(tints, pixel, i - chunk.first, 0).rgb;
         }

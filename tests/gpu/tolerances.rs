@@ -260,9 +260,9 @@ pub(crate) const ROWS: &[Row] = &[
     sampled("default"),
     sampled("samples 16"),
     sampled("samples 256"),
-    planar("default", points(0.07, 0.0005), &[NOT_MULTISAMPLED, CASTERS_WITHIN]),
+    planar("direct 16", points(0.07, 0.0005), &[NOT_MULTISAMPLED, CASTERS_WITHIN]),
     planar(
-        "64 samples",
+        "direct 64",
         points(0.024, 0.0005),
         &[
             NOT_MULTISAMPLED,
@@ -276,12 +276,12 @@ pub(crate) const ROWS: &[Row] = &[
         ],
     ),
     planar(
-        "256 samples",
+        "direct 256",
         points(0.012, 0.0005),
         &[NOT_MULTISAMPLED, CASTERS_WITHIN, NARROW, &[("receiver-inside-light", points(0.03, 0.0005))]],
     ),
     planar(
-        "texture",
+        "default",
         points(0.07, 0.002),
         &[
             NOT_MULTISAMPLED,

@@ -201,7 +201,7 @@ fn options_without_effect_are_refused_by_name() {
             "angle of 0",
         ),
         (
-            SoftShadow { resolution: 512, ..SoftShadow::default() }.into(),
+            SoftShadow { resolution: 512, ..SoftShadow::DIRECT }.into(),
             "'resolution' is 512",
             "mode=texture",
         ),

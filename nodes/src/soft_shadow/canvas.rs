@@ -25,6 +25,10 @@ pub struct PlanarLight {
     pub count: u32,
     pub center_point: u32,
     pub half_m: [f32; 2],
+    pub all_above: u32,
+    pub pad_0: u32,
+    pub pad_1: u32,
+    pub pad_2: u32,
 }
 
 /// `struct PlanarTexture` of soft_shadow.wgsl.
@@ -49,7 +53,7 @@ macro_rules! fields {
 /// compares.
 pub fn planar_layouts() -> [(&'static str, &'static str, Layout); 4] {
     use super::batches::{GlassCorner, MaskedCorner};
-    let mut light = fields!(PlanarLight: center, radius_m, count, center_point, half_m);
+    let mut light = fields!(PlanarLight: center, radius_m, count, center_point, half_m, all_above, pad_0, pad_1, pad_2);
     light.push(("points", size_of::<PlanarLight>()));
     let texture = fields!(PlanarTexture: x_axis, x_offset, y_axis, y_offset);
     let corner = fields!(MaskedCorner: position, caster, uv, alpha, cutoff, reading, pad_0, pad_1, pad_2);
@@ -225,6 +229,8 @@ impl Canvas {
             count,
             center_point: points.center_point.map_or(count, |number| number as u32),
             half_m: self.half_m.unwrap_or_default().as_vec2().to_array(),
+            all_above: u32::from(heights.iter().all(|height| *height > 0.0)),
+            ..PlanarLight::default()
         };
         let point = |(offset, height): (&DVec3, &f64)| {
             let lit = if *height > 0.0 { 1.0 } else { 0.0 };
