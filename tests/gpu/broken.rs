@@ -57,8 +57,12 @@ impl ShadowTechnique for Broken {
         let left = self.technique.plan(light, out)?;
         let passes = out.take_passes();
         if let Spoil::Text(from, _) = self.spoil {
-            let shaders = passes.iter().flat_map(|pass| &pass.draws).filter_map(|draw| draw.geometry.shader());
-            assert!(shaders.into_iter().any(|shader| shader.source.contains(from)), "no shader says '{from}'");
+            let shaders =
+                passes.iter().flat_map(|pass| &pass.draws).filter_map(|draw| draw.geometry.shader());
+            assert!(
+                shaders.into_iter().any(|shader| shader.source.contains(from)),
+                "no shader says '{from}'"
+            );
         }
         for mut pass in passes {
             self.spoil.spoil(&mut pass);

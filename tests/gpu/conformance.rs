@@ -59,7 +59,8 @@ fn every_technique_does_on_every_case_what_it_declares() {
     print_times(judged.iter().flatten().map(|(time, ..)| time));
     failures.extend(needless_exceptions(&cases, |technique, setting, case| {
         let mut trials = judged.iter().flatten();
-        trials.any(|((t, s, c, _), [_, needs], _)| (*t, *s, c.as_str()) == (technique, setting, case) && *needs)
+        trials
+            .any(|((t, s, c, _), [_, needs], _)| (*t, *s, c.as_str()) == (technique, setting, case) && *needs)
     }));
     for ((technique, setting, ..), [is_accepted, _], complaint) in judged.into_iter().flatten() {
         *accepted.entry((technique, setting)).or_default() += usize::from(is_accepted);

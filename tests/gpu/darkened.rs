@@ -23,11 +23,7 @@ const SIZE_PX: [u32; 2] = [96, 72];
 
 fn request() -> FrameRequest {
     let camera = shadowgraph_testing::camera(DVec3::new(3.0, 5.0, 6.0), DVec3::new(0.0, 0.3, 0.0));
-    FrameRequest {
-        picture: PictureFormat::LinearF32,
-        factors: true,
-        ..FrameRequest::new(camera, SIZE_PX)
-    }
+    FrameRequest { picture: PictureFormat::LinearF32, factors: true, ..FrameRequest::new(camera, SIZE_PX) }
 }
 
 /// The linear picture, four floats a pixel, and the factor of each lamp.
@@ -75,7 +71,8 @@ fn check(renderer: &mut Renderer, node: &ShadowNode, applied: Applied) {
         });
         let unlit = f64::from(unlit[index]);
         if applied.to_picture {
-            let (light, left) = lamps.fold((unlit, 1.0), |(sum, all), (light, left)| (sum + light, all * left));
+            let (light, left) =
+                lamps.fold((unlit, 1.0), |(sum, all), (light, left)| (sum + light, all * left));
             light * left
         } else {
             lamps.fold(unlit, |sum, (light, left)| sum + light * left)

@@ -49,7 +49,6 @@ pub(crate) const KNOWN_ON_CASES: &[Known] = &[
         cases: &[
             "soft-lamp-on-edge/5-m",
             "soft-lamp-on-edge/5-m-in-the-air",
-            "soft-lamp-on-edge/1e-6-m-ortho",
             "soft-lamp-on-corner/5-m",
             "soft-lamp-on-corner/5-m-in-the-air",
             "soft-lamp-on-corner/1e-6-m-ortho",

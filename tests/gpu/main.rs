@@ -22,6 +22,8 @@ mod first_picture;
 mod hard_options;
 mod kept_textures;
 mod known;
+mod known_docs;
+mod lamp_near;
 mod layers;
 mod many_lights;
 mod maps;

@@ -64,28 +64,30 @@ fn per_receiver() {
 #[test]
 fn wedge() {
     let slips = slips!(ShadowVolumeSoft::ENTRY;
-        "wedges of half the width", "penumbra-width/high":
+        "wedges of half the width", "near-clips-side/closed-left":
             Spoil::Text(
                 "let ray = edge.rays[corner - 2u].xyz;",
                 "let middle = edge.rays[0].xyz + edge.rays[1].xyz + edge.rays[2].xyz + edge.rays[3].xyz;
                  let ray = normalize(edge.rays[corner - 2u].xyz + 0.25 * middle);",
             );
-        "every other edge forgotten", "tripod":
-            Spoil::Text("edge.weight * share", "edge.weight * share * f32(in.edge & 1u)");
-        "edges counted the wrong way round", "tripod":
+        "every other edge forgotten", "near-clips-side/closed-left":
+            Spoil::Text("edge.weight * share", "edge.weight * share * f32(1u - (in.edge & 1u))");
+        "edges counted the wrong way round", "near-clips-side/closed-left":
             Spoil::Text("edge.weight * share", "-edge.weight * share");
         "the horizon left out", "soft-no-caster/sun":
             Spoil::Text("seen = share_above(disc.horizon.z / steep);", "seen = 1.0;");
-        "a missing cap of what is counted", "penumbra-width/middle": Spoil::Volumes(|draw| {
+        "a missing cap of what is counted", "tripod": Spoil::Volumes(|draw| {
             if let Geometry::Indexed { count, .. } = &mut draw.geometry {
                 *count = (*count - 6).max(3);
             }
         });
+        "a light without size", "near-clips-side/closed-left": HARD;
         "a light without size", "penumbra-width/low": HARD;
-        "a light without size", "penumbra-width/middle": HARD;
         "a light without size", "penumbra-width/high": HARD;
         "a light without size", "tripod": HARD;
-        "a light without size", "penumbra-overlap/slit": HARD;
+        "a light without size", "scale-1e4/unscaled": HARD;
+        "a light without size", "mirrored/ball": HARD;
+        "a light without size", "nested-shells/window": HARD;
     );
     each_turns_red(ShadowVolumeSoft::ENTRY, "wedge", &slips);
 }

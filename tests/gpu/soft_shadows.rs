@@ -59,7 +59,8 @@ fn judge(
         }
     }
     let right = outside.iter().filter(|(_, pixels)| **pixels == 0);
-    failures.extend(right.map(|(case, _)| format!("{case} is right now: strike it out of what is tolerated")));
+    failures
+        .extend(right.map(|(case, _)| format!("{case} is right now: strike it out of what is tolerated")));
     (accepted, penumbra)
 }
 

@@ -38,7 +38,8 @@ fn steps_of(sweep: &Sweep) -> Vec<Case> {
     let every = tries_everything();
     let steps = sweep.steps(&shadowgraph::CAST);
     let last = steps.len().saturating_sub(1);
-    let taken = steps.into_iter().enumerate().filter(|(i, _)| every || i % SWEPT_ONE_STEP_IN == 0 || *i == last);
+    let taken =
+        steps.into_iter().enumerate().filter(|(i, _)| every || i % SWEPT_ONE_STEP_IN == 0 || *i == last);
     taken.map(|(_, (_, case))| case).collect()
 }
 

@@ -180,7 +180,9 @@ fn the_grid_is_within_its_error_of_counts() {
         let mut factors = |accumulate: &str| {
             let params = [("accumulate".to_owned(), ParamValue::Text(accumulate.into()))].into();
             let scene = case.scene_with(&entry, &params).unwrap();
-            shadowgraph_testing::measure(&mut renderer, &scene, &case.request()).ok().map(|found| found.lights)
+            shadowgraph_testing::measure(&mut renderer, &scene, &case.request())
+                .ok()
+                .map(|found| found.lights)
         };
         // Where the grid would be too coarse it is refused.
         let (Some(counts), Some(grid)) = (factors("counts"), factors("gridLog")) else { continue };
