@@ -73,6 +73,8 @@ const AREAS: Group = &[
     ("soft-lamp-on-edge/1-m", areas(0.0001, 0.001, 0.17, 0.2, LAYERS)),
     ("soft-lamp-on-corner/1-m", areas(0.0001, 0.001, 0.17, 0.2, LAYERS)),
     ("wide-band/two-floors-low-lamp", areas(0.0001, 0.002, 0.07, 0.2, LAYERS)),
+    ("light-radius/3-m", areas(0.0001, 0.001, 0.055, 0.4, LAYERS)),
+    ("light-radius/10-m", areas(0.0001, 0.001, 0.055, 0.4, LAYERS)),
 ];
 
 const fn layered() -> Tolerance {
@@ -124,6 +126,8 @@ const fn below(leak_share: f64, rmse: f64, penumbra_rmse: f64) -> Tolerance {
 const WEDGES: Group = &[
     ("back-to-back-panels/double-sided", areas(0.0001, 0.004, 0.11, 0.6, LAYERS)),
     ("wide-band", below(0.012, 0.12, 0.15)),
+    ("light-radius/3-m", areas(0.001, 0.001, 0.11, 0.6, FROM_THE_CENTRE)),
+    ("light-radius/10-m", areas(0.001, 0.001, 0.11, 0.6, FROM_THE_CENTRE)),
     ("planar-no-caster/two-receivers", below(0.001, 0.085, 0.15)),
     ("soft-lamp-in-floor", below(0.006, 0.27, 0.33)),
     ("lamp-1e-9-over-face/1e-9-m-inside", CENTRE_INSIDE),
