@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use shadowgraph::engine::scene::{Instance, Params};
 use shadowgraph::engine::shadow::{
-    Contribution, Draw, Geometry, LightContext, PassList, ShadowError, ShadowTechnique, Traits,
+    Contribution, Draw, Geometry, LightContext, Pass, PassList, ShadowError, ShadowTechnique, Traits,
 };
 
 /// A technique with something done to what it plans.
@@ -15,12 +15,16 @@ pub(crate) struct Broken {
 }
 
 /// What is done.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) enum Spoil {
     /// To every draw.
     Draws(fn(&mut Draw)),
     /// To every draw of triangles that it lists: the sides and caps of volumes.
     Volumes(fn(&mut Draw)),
+    /// To every pass.
+    Passes(fn(&mut Pass)),
+    /// To the text of every shader that holds the first of the two, as some must: it holds the second in its place.
+    Text(&'static str, &'static str),
     /// In place of its plan.
     Plan(PlanOf),
 }
@@ -42,18 +46,59 @@ impl ShadowTechnique for Broken {
         self.technique.casts(instance)
     }
 
+    fn receives(&self, instance: &Instance) -> Result<(), String> {
+        self.technique.receives(instance)
+    }
+
     fn plan(&self, light: &LightContext<'_>, out: &mut PassList<'_>) -> Result<Contribution, ShadowError> {
-        let (spoil, all): (fn(&mut Draw), bool) = match self.spoil {
-            Spoil::Plan(plan) => return plan(self.technique.as_ref(), light, out),
-            Spoil::Draws(spoil) => (spoil, true),
-            Spoil::Volumes(spoil) => (spoil, false),
-        };
+        if let Spoil::Plan(plan) = self.spoil {
+            return plan(self.technique.as_ref(), light, out);
+        }
         let left = self.technique.plan(light, out)?;
-        for mut pass in out.take_passes() {
-            let draws = pass.draws.iter_mut();
-            draws.filter(|draw| all || matches!(draw.geometry, Geometry::Indexed { .. })).for_each(spoil);
+        let passes = out.take_passes();
+        if let Spoil::Text(from, _) = self.spoil {
+            let shaders =
+                passes.iter().flat_map(|pass| &pass.draws).filter_map(|draw| draw.geometry.shader());
+            assert!(
+                shaders.into_iter().any(|shader| shader.source.contains(from)),
+                "no shader says '{from}'"
+            );
+        }
+        for mut pass in passes {
+            self.spoil.spoil(&mut pass);
             out.pass(pass);
         }
         Ok(left)
+    }
+}
+
+impl Spoil {
+    fn spoil(&self, pass: &mut Pass) {
+        let draws = pass.draws.iter_mut();
+        match *self {
+            Self::Draws(spoil) => draws.for_each(spoil),
+            Self::Volumes(spoil) => {
+                draws.filter(|draw| matches!(draw.geometry, Geometry::Indexed { .. })).for_each(spoil);
+            }
+            Self::Passes(spoil) => spoil(pass),
+            Self::Text(from, to) => draws.for_each(|draw| reword(draw, from, to)),
+            // In place of what was planned.
+            Self::Plan(_) => {}
+        }
+    }
+}
+
+/// Writes `to` for `from` in the text of a draw's shader, where it is there.
+pub(crate) fn reword(draw: &mut Draw, from: &str, to: &str) {
+    let shader = match &mut draw.geometry {
+        Geometry::Surfaces { .. } => return,
+        Geometry::PulledSurfaces { shader, .. }
+        | Geometry::Indexed { shader, .. }
+        | Geometry::IndexedProcedural { shader, .. }
+        | Geometry::Procedural { shader, .. } => shader,
+    };
+    if shader.source.contains(from) {
+        shader.source = shader.source.replace(from, to).into();
+        shader.name = format!("{} with {to}", shader.name).into();
     }
 }

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use crate::known::KNOWN_ON_CASES;
-use crate::tolerances::ROWS;
+use crate::tolerances::{ROWS, Row};
 use crate::trials::{Trial, dump, is_thinned, print_times, try_all, with_several_renderers};
 use shadowgraph::cases::{self, Case, sweeps};
 use shadowgraph::measure::ReferenceShadow;
@@ -51,13 +51,18 @@ fn every_technique_does_on_every_case_what_it_declares() {
                 format!("{}: {complaint}", trial.name())
             });
             let time = (trial.technique, trial.setting, trial.case.clone(), trial.took);
-            (time, trial.accepted, complaint)
+            (time, [trial.accepted, trial.needs_exception], complaint)
         };
         trials.iter().map(outcome).collect::<Vec<_>>()
     });
     let Some(judged) = judged else { return };
     print_times(judged.iter().flatten().map(|(time, ..)| time));
-    for ((technique, setting, ..), is_accepted, complaint) in judged.into_iter().flatten() {
+    failures.extend(needless_exceptions(&cases, |technique, setting, case| {
+        let mut trials = judged.iter().flatten();
+        trials
+            .any(|((t, s, c, _), [_, needs], _)| (*t, *s, c.as_str()) == (technique, setting, case) && *needs)
+    }));
+    for ((technique, setting, ..), [is_accepted, _], complaint) in judged.into_iter().flatten() {
         *accepted.entry((technique, setting)).or_default() += usize::from(is_accepted);
         failures.extend(complaint);
     }
@@ -70,6 +75,29 @@ fn every_technique_does_on_every_case_what_it_declares() {
         }
     }
     assert!(failures.is_empty(), "{} fail:\n{}", failures.len(), failures.join("\n"));
+}
+
+/// What the table excepts from what settings owe, and no variant of these cases needs any more. Only of settings that are tried
+/// on every case, and where all variants are there.
+fn needless_exceptions(cases: &[Case], needs: impl Fn(&str, &str, &str) -> bool) -> Vec<String> {
+    let mut needless = Vec::new();
+    if std::env::var_os("CASE").is_some() {
+        return needless;
+    }
+    for row in ROWS.iter().filter(|row| !is_thinned(row.technique, row.setting) || row.setting == "default") {
+        for (place, (name, owed)) in row.exceptions().enumerate() {
+            let fits = |case: &&Case, name: &str| case.id == name || case.name() == name;
+            let earlier = |case: &Case| row.exceptions().take(place).any(|(name, _)| fits(&case, name));
+            let mut excepted = cases.iter().filter(|case| fits(case, name) && !earlier(case)).peekable();
+            // What is on sweeps is not tried here.
+            let is_tried = excepted.peek().is_some();
+            if is_tried && !excepted.any(|case| needs(row.technique, row.setting, &case.name())) {
+                let Row { technique, setting, .. } = row;
+                needless.push(format!("{technique} ({setting}) needs no {owed:?} on '{name}' any more"));
+            }
+        }
+    }
+    needless
 }
 
 #[test]

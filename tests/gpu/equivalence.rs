@@ -1,6 +1,6 @@
 //! Different ways to the same picture: every option, draw order and grouping of passes gives the same factors.
 
-use crate::known::KNOWN_ON_CASES;
+use crate::known::{COMPARED_ONE_CASE_IN, KNOWN_ON_CASES};
 use crate::tolerances::HARD;
 use crate::trials::tries_everything;
 
@@ -12,7 +12,7 @@ use shadowgraph::prelude::*;
 /// `CASE=` or `EVERY_CASE=1` all of them.
 fn accepted(renderer: &mut Renderer, first: usize) -> Vec<Case> {
     let filter = std::env::var("CASE").unwrap_or_default();
-    let (first, step) = if tries_everything() { (0, 1) } else { (first, 3) };
+    let (first, step) = if tries_everything() { (0, 1) } else { (first, COMPARED_ONE_CASE_IN) };
     let cases = cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST));
     let cases = cases.filter(|case| case.name().contains(&filter));
     let mut cases: Vec<Case> = cases.skip(first).step_by(step).collect();

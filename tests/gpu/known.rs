@@ -1,4 +1,5 @@
-//! What is known to be wrong, and why: all of it, so that nothing else is excused.
+//! What is known to be wrong, and why: all of it, so that nothing else is excused; and what is tried less than fully. The README
+//! has it in full (`known_docs`). What has become right fails the test that tries it.
 
 use super::tolerances::{HARD, PLANAR, SOFT};
 
@@ -48,7 +49,6 @@ pub(crate) const KNOWN_ON_CASES: &[Known] = &[
         cases: &[
             "soft-lamp-on-edge/5-m",
             "soft-lamp-on-edge/5-m-in-the-air",
-            "soft-lamp-on-edge/1e-6-m-ortho",
             "soft-lamp-on-corner/5-m",
             "soft-lamp-on-corner/5-m-in-the-air",
             "soft-lamp-on-corner/1e-6-m-ortho",
@@ -63,3 +63,39 @@ pub(crate) const KNOWN_ON_CASES: &[Known] = &[
               agree to fewer digits than a tie needs",
     },
 ];
+
+/// Fixed seeds of the random search that are known to be wrong, and why.
+pub(crate) const KNOWN_SEEDS: &[(u64, &str)] = &[
+    (
+        68,
+        "one pixel of glass next to the fold between two panes, of which one is before the other's shadow by rounding",
+    ),
+    (26, "one sample of a lamp with a size in one pixel: the lamp all but touches an edge of a caster"),
+];
+
+/// A case on which pixels may be outside their bounds under large lights (`soft_shadows`).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tolerated {
+    /// The case's id.
+    pub(crate) case: &'static str,
+    /// How many pixels, of a light.
+    pub(crate) pixels: usize,
+    /// Why.
+    pub(crate) why: &'static str,
+}
+
+const TWO_CREASES: &str = "on stacks of boxes a quarter of a millimetre thin, points within rounding of two creases at once, \
+    which the bounds' six moves do not all reach";
+
+/// All of them. With the default size there is none.
+pub(crate) const TOLERATED: &[Tolerated] = &[
+    Tolerated { case: "overlap-2049", pixels: 20, why: TWO_CREASES },
+    Tolerated { case: "overlap-4096", pixels: 20, why: TWO_CREASES },
+];
+
+/// What compares ways to one picture, and large lights, take one case in so many of all.
+pub(crate) const COMPARED_ONE_CASE_IN: usize = 3;
+/// A sweep is tried at one step in so many, and at its last.
+pub(crate) const SWEPT_ONE_STEP_IN: usize = 2;
+/// The technique from outside is tried on one case in so many.
+pub(crate) const OUTSIDE_ONE_CASE_IN: usize = 10;

@@ -1,7 +1,9 @@
 //! `ShadowVolumeSoft`, quality `sampled`, against the reference, sample by sample: every hard case with a small light and
 //! with one that is large beside the casters, solids as solids and as soups, and other numbers of samples.
 
-use crate::known::KNOWN_ON_CASES;
+use std::collections::BTreeMap;
+
+use crate::known::{COMPARED_ONE_CASE_IN, KNOWN_ON_CASES, TOLERATED};
 use crate::tolerances::SOFT;
 use crate::trials::tries_everything;
 
@@ -19,12 +21,14 @@ fn judge(
     let params = ShadowNode::from(node).params;
     let only = std::env::var("CASE").unwrap_or_default();
     let (mut penumbra, mut accepted) = (0, 0);
+    // Of the cases on which pixels are tolerated, how many are outside their bounds.
+    let mut outside: BTreeMap<&str, usize> = BTreeMap::new();
     let cases = cases::all().into_iter().flat_map(|entry| entry.build(&shadowgraph::CAST));
     let named = |case: &Case| case.name().contains(filter) && case.name().contains(&only);
     // The conformance test has every case with the default size; of all of them, every third is enough here. `CASE=` or
     // `EVERY_CASE=1` tries all.
     let is_thinned = filter.is_empty() && !tries_everything();
-    for case in cases.filter(named).step_by(if is_thinned { 3 } else { 1 }) {
+    for case in cases.filter(named).step_by(if is_thinned { COMPARED_ONE_CASE_IN } else { 1 }) {
         let scene = case.scene_with(&ShadowVolumeSoft::ENTRY, &params).unwrap();
         let row = format!("{:<40} radius {}", case.name(), node.radius_m);
         match evaluate(renderer, &scene, &case.request(), &|_, _| {}) {
@@ -36,6 +40,9 @@ fn judge(
                         "{row} {}: {} penumbra pixels, {} wrong samples",
                         error.name, error.penumbra_pixels, error.wrong
                     );
+                    if tolerated(&case) > 0 {
+                        *outside.entry(case.id).or_default() += error.outside_bounds;
+                    }
                     // How wide the band of a light may be that no case was made for, is nobody's fault.
                     let right = error.wrong_outside_band == 0
                         && error.outside_bounds <= tolerated(&case)
@@ -51,13 +58,15 @@ fn judge(
             Err(error) => failures.push(format!("{row}: {error}")),
         }
     }
+    let right = outside.iter().filter(|(_, pixels)| **pixels == 0);
+    failures
+        .extend(right.map(|(case, _)| format!("{case} is right now: strike it out of what is tolerated")));
     (accepted, penumbra)
 }
 
-/// Pixels that may be outside their bounds: on stacks of boxes a quarter of a millimetre thin, points within rounding of two
-/// creases at once, which the bounds' six moves do not all reach. With the default size there is none.
+/// Pixels that may be outside their bounds.
 fn tolerated(case: &Case) -> usize {
-    if matches!(case.id, "overlap-2049" | "overlap-4096") { 20 } else { 0 }
+    TOLERATED.iter().find(|tolerated| tolerated.case == case.id).map_or(0, |tolerated| tolerated.pixels)
 }
 
 fn check(filter: &str, nodes: &[ShadowVolumeSoft]) {

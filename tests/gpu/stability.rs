@@ -3,7 +3,7 @@
 //! Every second step, and the last, is judged as a hard case is, for every technique and setting; each prints a row. `CASE=part-of-a-name` runs
 //! the sweeps so called; `DUMP=folder` writes error maps.
 
-use crate::known::{KNOWN, Known};
+use crate::known::{KNOWN, Known, SWEPT_ONE_STEP_IN};
 use crate::tolerances::ROWS;
 use crate::trials::{Trial, dump, print_times, tries_everything, try_all, with_several_renderers};
 use shadowgraph::cases::Case;
@@ -38,7 +38,8 @@ fn steps_of(sweep: &Sweep) -> Vec<Case> {
     let every = tries_everything();
     let steps = sweep.steps(&shadowgraph::CAST);
     let last = steps.len().saturating_sub(1);
-    let taken = steps.into_iter().enumerate().filter(|(i, _)| every || i % 2 == 0 || *i == last);
+    let taken =
+        steps.into_iter().enumerate().filter(|(i, _)| every || i % SWEPT_ONE_STEP_IN == 0 || *i == last);
     taken.map(|(_, (_, case))| case).collect()
 }
 

@@ -310,7 +310,8 @@ pub(crate) const ROWS: &[Row] = &[
                 ("directional-parallel", areas(0.0001, 0.001, 0.09, 0.4, EDGE_ON)),
             ],
         ],
-        owes: areas(0.0001, 0.001, 0.055, 0.4, LAYERS),
+        // Where nothing overlaps it is a tenth of that and less; a hard shadow in its place has 0.25 and more.
+        owes: areas(0.0001, 0.001, 0.055, 0.15, LAYERS),
         ..exact(SOFT, "per-receiver")
     },
     Row {
@@ -320,25 +321,27 @@ pub(crate) const ROWS: &[Row] = &[
             &[
                 ("duplicate-face", areas(0.001, 0.004, 0.06, 0.5, LAYERS)),
                 // The centre is inside: nothing outside sees it, and all of the light is taken to be hidden with it.
-                ("caster-in-light", areas(0.001, 1.0, 0.9, 0.9, FROM_THE_CENTRE)),
+                ("caster-in-light/centre-inside", areas(0.001, 1.0, 0.95, 0.95, FROM_THE_CENTRE)),
+                ("caster-in-light/leaf", areas(0.001, 0.001, 0.13, 0.13, FROM_THE_CENTRE)),
                 // The light is cut in halves by what it stands on, and its centre sees neither of them.
                 ("light-on-edge", areas(0.09, 0.001, 0.55, 0.65, FROM_THE_CENTRE)),
                 ("light-on-vertex", areas(0.01, 0.001, 0.4, 0.45, FROM_THE_CENTRE)),
-                ("directional-parallel", areas(0.001, 0.001, 0.45, 0.65, FROM_THE_CENTRE)),
-                ("edge-at-centre", areas(0.015, 0.001, 0.13, 0.45, FROM_THE_CENTRE)),
-                ("receiver-inside-light", areas(0.001, 0.001, 0.2, 0.3, FROM_THE_CENTRE)),
-                ("light-crosses-frustum", areas(0.001, 0.001, 0.13, 0.55, FROM_THE_CENTRE)),
+                ("directional-parallel", areas(0.001, 0.001, 0.06, 0.22, FROM_THE_CENTRE)),
+                ("light-crosses-frustum", areas(0.001, 0.001, 0.07, 0.28, FROM_THE_CENTRE)),
+                ("ortho-camera/cut", areas(0.001, 0.001, 0.075, 0.32, FROM_THE_CENTRE)),
+                ("penumbra-overlap/same-side", areas(0.001, 0.001, 0.085, 0.25, LAYERS)),
                 // Almost as when it is inside.
-                ("light-near-face", areas(0.02, 0.001, 0.14, 0.6, FROM_THE_CENTRE)),
-                ("light-near-edge", areas(0.02, 0.001, 0.4, 0.3, FROM_THE_CENTRE)),
-                ("light-near-corner", areas(0.01, 0.001, 0.4, 0.45, FROM_THE_CENTRE)),
-                ("light-near-side", areas(0.18, 0.001, 0.36, 0.55, FROM_THE_CENTRE)),
+                ("light-near-face", areas(0.011, 0.001, 0.11, 0.45, FROM_THE_CENTRE)),
+                ("light-near-edge", areas(0.008, 0.001, 0.39, 0.46, FROM_THE_CENTRE)),
+                ("light-near-corner", areas(0.001, 0.001, 0.34, 0.38, FROM_THE_CENTRE)),
+                ("light-near-side", areas(0.18, 0.001, 0.36, 0.52, FROM_THE_CENTRE)),
                 // Half of the light and more is below the floor.
-                ("grazing-sun", areas(0.08, 0.001, 0.67, 0.65, FROM_THE_CENTRE)),
-                ("grazing-lamp", areas(0.65, 0.001, 0.65, 0.67, FROM_THE_CENTRE)),
+                ("grazing-sun", areas(0.001, 0.001, 0.16, 0.15, FROM_THE_CENTRE)),
+                ("grazing-lamp", areas(0.03, 0.001, 0.165, 0.16, FROM_THE_CENTRE)),
             ],
         ],
-        owes: areas(0.001, 0.001, 0.11, 0.6, FROM_THE_CENTRE),
+        // A hard shadow in its place has 0.25 in its penumbra, and more.
+        owes: areas(0.001, 0.001, 0.06, 0.15, FROM_THE_CENTRE),
         ..exact(SOFT, "wedge")
     },
     exact(TRANSPARENT, "default"),

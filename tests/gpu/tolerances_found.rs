@@ -10,8 +10,8 @@ use super::tolerances::{
 pub(crate) fn groups(technique: &str, setting: &str) -> &'static [Group] {
     match (technique, setting) {
         (HARD, "cap") => &[LIDS],
-        (SOFT, "per-receiver") => &[AREAS],
-        (SOFT, "wedge") => &[WEDGES],
+        (SOFT, "per-receiver") => &[AREAS, LAYERED, BEFORE_ONE_CASTER],
+        (SOFT, "wedge") => &[WEDGES, LAYERED, BEFORE_ONE_CASTER],
         (PLANAR, "direct 16") => &[CASTERS_WITHIN, NARROW],
         (PLANAR, "direct 64") => &[CASTERS_WITHIN, NARROW, FEW_POINTS],
         (PLANAR, "direct 256") => &[CASTERS_WITHIN, NARROW],
@@ -73,20 +73,63 @@ const AREAS: Group = &[
     ("soft-lamp-on-edge/1-m", areas(0.0001, 0.001, 0.17, 0.2, LAYERS)),
     ("soft-lamp-on-corner/1-m", areas(0.0001, 0.001, 0.17, 0.2, LAYERS)),
     ("wide-band/two-floors-low-lamp", areas(0.0001, 0.002, 0.07, 0.2, LAYERS)),
+    ("light-radius/3-m", areas(0.0001, 0.001, 0.055, 0.4, LAYERS)),
+    ("light-radius/10-m", areas(0.0001, 0.001, 0.055, 0.4, LAYERS)),
+];
+
+const fn layered() -> Tolerance {
+    areas(0.0001, 0.001, 0.06, 0.42, LAYERS)
+}
+
+/// Every layer of a caster that is open, wound at random or modelled twice is counted: what one of them hides of the light, two
+/// hide twice, and no penumbra is left where it is half.
+const LAYERED: Group = &[
+    ("back-to-back-panels", layered()),
+    ("cracked-2e-6", layered()),
+    ("glass-on-box/grid-top", layered()),
+    ("inconsistent-winding", layered()),
+    ("inward-shell", layered()),
+    ("light-crosses-frustum", layered()),
+    ("low-sun", layered()),
+    ("map-acne/waves", layered()),
+    ("open-cylinder", layered()),
+    ("opposite-duplicate", layered()),
+    ("room-through-culled-walls", layered()),
+    ("singular/box-to-quad", layered()),
+    ("singular/disc", layered()),
+    ("touching-receiver/bottomless", layered()),
+    ("two-sided-leaf", layered()),
+];
+
+/// Before one caster, of which no two edges meet over the light, either way is exact: 0.002 of the penumbra is what the 1024
+/// samples of the reference leave.
+const fn before_one_caster() -> Tolerance {
+    areas(0.0001, 0.0001, 0.002, 0.005, "the reference takes 1024 samples")
+}
+
+const BEFORE_ONE_CASTER: Group = &[
+    ("eye-in-shadow", before_one_caster()),
+    ("near-clips-side", before_one_caster()),
+    ("near-clips-corner", before_one_caster()),
+    ("edge-through-centre/sun", before_one_caster()),
+    ("single-quad", before_one_caster()),
 ];
 
 /// The centre is inside: nothing outside sees it, and all of the light is taken to be hidden with it.
 const CENTRE_INSIDE: Tolerance = areas(0.005, 1.0, 0.9, 0.95, FROM_THE_CENTRE);
-/// What of the light is below the receiver's plane counts as light, and here it is half and more.
-const BELOW: Tolerance = areas(0.55, 0.001, 0.66, 0.67, FROM_THE_CENTRE);
+/// What of the light is below the receiver's plane hides as much as what is above, and here it is half and more.
+const fn below(leak_share: f64, rmse: f64, penumbra_rmse: f64) -> Tolerance {
+    areas(leak_share, 0.001, rmse, penumbra_rmse, FROM_THE_CENTRE)
+}
 
 /// Silhouettes from the light's centre.
 const WEDGES: Group = &[
     ("back-to-back-panels/double-sided", areas(0.0001, 0.004, 0.11, 0.6, LAYERS)),
-    ("wide-band", BELOW),
-    ("soft-no-caster", BELOW),
-    ("planar-no-caster", BELOW),
-    ("soft-lamp-in-floor", BELOW),
+    ("wide-band", below(0.012, 0.12, 0.15)),
+    ("light-radius/3-m", areas(0.001, 0.001, 0.11, 0.6, FROM_THE_CENTRE)),
+    ("light-radius/10-m", areas(0.001, 0.001, 0.11, 0.6, FROM_THE_CENTRE)),
+    ("planar-no-caster/two-receivers", below(0.001, 0.085, 0.15)),
+    ("soft-lamp-in-floor", below(0.006, 0.27, 0.33)),
     ("lamp-1e-9-over-face/1e-9-m-inside", CENTRE_INSIDE),
     ("lamp-1e-9-over-edge/1e-9-m-inside", CENTRE_INSIDE),
     ("lamp-1e-9-over-vertex/1e-9-m-inside", CENTRE_INSIDE),
@@ -96,7 +139,7 @@ const WEDGES: Group = &[
     ("soft-lamp-on-edge", areas(0.012, 0.001, 0.47, 0.6, FROM_THE_CENTRE)),
     ("soft-lamp-on-corner", areas(0.01, 0.001, 0.4, 0.45, FROM_THE_CENTRE)),
     // What is edge-on to the centre is no silhouette from there, or one too many.
-    ("lamp-in-far-plane", areas(0.02, 0.035, 0.2, 0.61, FROM_THE_CENTRE)),
+    ("lamp-in-far-plane", areas(0.001, 0.001, 0.075, 0.24, FROM_THE_CENTRE)),
     ("ortho-lamp-beside", areas(0.45, 0.55, 0.66, 0.67, FROM_THE_CENTRE)),
 ];
 

@@ -170,6 +170,31 @@ fn the_order_of_drawing_changes_no_pixel() {
     assert_ne!(of(&mut renderer, &orders[0]), of(&mut renderer, &orders[1]));
 }
 
+/// A grid of logarithms takes no more than 7e-4 from a factor, however many surfaces there are.
+#[test]
+fn the_grid_is_within_its_error_of_counts() {
+    let Some(mut renderer) = shadowgraph_testing::renderer() else { return };
+    let entry = TransparentShadow::ENTRY;
+    let mut worst = 0.0_f32;
+    let names = ["glass-deep/128-boxes", "glass-self/shell"];
+    for case in glass_cases().into_iter().filter(|case| names.contains(&case.name().as_str())) {
+        let mut factors = |accumulate: &str| {
+            let params = [("accumulate".to_owned(), ParamValue::Text(accumulate.into()))].into();
+            let scene = case.scene_with(&entry, &params).unwrap();
+            shadowgraph_testing::measure(&mut renderer, &scene, &case.request())
+                .ok()
+                .map(|found| found.lights)
+        };
+        // Where the grid would be too coarse it is refused.
+        let (Some(counts), Some(grid)) = (factors("counts"), factors("gridLog")) else { continue };
+        let pairs = counts.iter().zip(&grid).flat_map(|((_, counts), (_, grid))| counts.iter().zip(grid));
+        let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        println!("{}: {off:.1e}", case.name());
+        worst = worst.max(off);
+    }
+    assert!(worst > 0.0 && worst <= 7e-4, "{worst}");
+}
+
 /// Several nodes are several products in half floats: the same but for their rounding, and exactly lit where they are.
 #[test]
 fn nodes_that_share_a_light_multiply() {

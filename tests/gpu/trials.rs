@@ -13,7 +13,7 @@ use shadowgraph::measure::{
 };
 use shadowgraph::prelude::*;
 
-use super::tolerances::{LARGE_CASES, Row, THINNED, THINNED_TO_ONE_IN, Tolerance};
+use super::tolerances::{LARGE_CASES, ROWS, Row, THINNED, THINNED_TO_ONE_IN, Tolerance};
 
 /// One technique and setting on one case.
 pub(crate) struct Trial {
@@ -24,6 +24,8 @@ pub(crate) struct Trial {
     pub(crate) accepted: bool,
     /// What is wrong; `None` when everything is as it was declared.
     pub(crate) complaint: Option<String>,
+    /// Whether what its setting owes on most cases would not do: what the table excepts this case for.
+    pub(crate) needs_exception: bool,
     pub(crate) evaluation: Option<Evaluation>,
     /// How long it took, references that no earlier trial had asked for included.
     pub(crate) took: Duration,
@@ -51,7 +53,7 @@ const WHOLE_LIGHT_SAMPLES: u32 = 1024;
 
 /// Tries every technique that `renderer` knows, in every setting, on `case`.
 pub(crate) fn try_all(renderer: &mut Renderer, case: &Case, rows: &[Row]) -> Vec<Trial> {
-    let mut references = KnownReferences::with_samples(WHOLE_LIGHT_SAMPLES);
+    let mut references = no_references();
     let entries: Vec<TechniqueEntry> = renderer.catalog().entries().to_vec();
     let settings = entries.iter().flat_map(|entry| entry.all_settings().map(move |setting| (entry, setting)));
     let mut trials = Vec::new();
@@ -66,6 +68,24 @@ pub(crate) fn try_all(renderer: &mut Renderer, case: &Case, rows: &[Row]) -> Vec
         trials.push(Trial { took: start.elapsed(), ..trial });
     }
     trials
+}
+
+/// One setting on `case`, judged as [`try_all`] judges it and whether or not it is its turn there. `references` are those of
+/// this case.
+pub(crate) fn try_setting(
+    renderer: &mut Renderer,
+    case: &Case,
+    setting: (&TechniqueEntry, Setting),
+    references: &mut KnownReferences,
+) -> Trial {
+    let start = Instant::now();
+    let trial = try_one(renderer, case, setting, ROWS, references, &[]);
+    Trial { took: start.elapsed(), ..trial }
+}
+
+/// No references yet, of as many samples as trials take.
+pub(crate) fn no_references() -> KnownReferences {
+    KnownReferences::with_samples(WHOLE_LIGHT_SAMPLES)
 }
 
 /// Whether `CASE=` or `EVERY_CASE=1` (`./x test --all`) asks for all of what is thinned otherwise.
@@ -108,6 +128,7 @@ fn try_one(
         case: case.name(),
         accepted: false,
         complaint: None,
+        needs_exception: false,
         evaluation: None,
         took: Duration::ZERO,
     };
@@ -134,7 +155,9 @@ fn try_one(
         None => evaluate_again(renderer, &scene, &request, references, &|_, _| {}),
     };
     trial.accepted = result.is_ok();
-    trial.complaint = complaint(case, &result, row, claims).map(|complaint| match setting.name {
+    let owed = row.on(case.id, &case.name());
+    trial.needs_exception = owed != row.owes && complaint(case, &result, row.owes, claims).is_some();
+    trial.complaint = complaint(case, &result, owed, claims).map(|complaint| match setting.name {
         "default" => complaint,
         _ => format!("{complaint} [{}]", setting.why),
     });
@@ -150,13 +173,10 @@ fn try_one(
 fn complaint(
     case: &Case,
     result: &Result<Evaluation, EvaluateError>,
-    row: &Row,
+    owed: Tolerance,
     claims: Claims,
 ) -> Option<String> {
-    let owed = match &case.expect {
-        Expect::Refused { .. } => Tolerance::Refused,
-        _ => row.on(case.id, &case.name()),
-    };
+    let owed = if matches!(case.expect, Expect::Refused { .. }) { Tolerance::Refused } else { owed };
     let evaluation = match (result, owed) {
         (Ok(_), Tolerance::Refused) => return Some("drew something, but should refuse".into()),
         (Ok(evaluation), _) => evaluation,

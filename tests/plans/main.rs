@@ -5,6 +5,7 @@
 
 mod assets;
 mod caching;
+mod claims;
 mod errors;
 mod frugality;
 mod hard_options;

@@ -2,39 +2,17 @@
 //!
 //! `WRITE_DOCS=1` writes them anew; the test fails all the same that once.
 
-use std::path::{Path, PathBuf};
-
 use serde_json::Value;
 use shadowgraph::engine::scene::{ParamValue, Params};
 use shadowgraph::engine::shadow::{Accepts, Catalog, OptionSpec, OptionTable, extension_schema};
 use shadowgraph::measure::ReferenceShadow;
+use shadowgraph_testing::docs::{holds, text, with_block};
 
 /// Every technique that scenes may name on the command line.
 fn catalog() -> Catalog {
     let mut catalog = shadowgraph::nodes::catalog();
     catalog.register(ReferenceShadow::ENTRY);
     catalog
-}
-
-fn file(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
-}
-
-/// Compares a file with what it should be.
-fn holds(name: &str, wanted: &str) {
-    let found = std::fs::read_to_string(file(name)).unwrap();
-    if found == wanted {
-        return;
-    }
-    if std::env::var_os("WRITE_DOCS").is_some() {
-        std::fs::write(file(name), wanted).unwrap();
-        panic!("{name} was written anew: run again");
-    }
-    let differs = found.lines().zip(wanted.lines()).position(|(found, wanted)| found != wanted);
-    panic!(
-        "{name} differs from what the options declare, first in line {:?} (WRITE_DOCS=1 writes it)",
-        differs.map(|line| line + 1)
-    );
 }
 
 #[test]
@@ -61,14 +39,10 @@ fn markdown(table: &OptionTable) -> String {
 
 #[test]
 fn the_tables_of_the_readme_are_what_the_options_declare() {
-    let readme = std::fs::read_to_string(file("README.md")).unwrap();
-    let mut wanted = readme.clone();
+    let mut wanted = text("README.md");
     for entry in shadowgraph::nodes::catalog().entries() {
-        let begin = format!("<!-- options of {} -->\n", entry.type_name);
-        let start = wanted.find(&begin).unwrap_or_else(|| panic!("the README has no '{}'", begin.trim()))
-            + begin.len();
-        let end = start + wanted[start..].find("<!-- end -->").unwrap();
-        wanted.replace_range(start..end, &markdown(&(entry.options)()));
+        let name = format!("options of {}", entry.type_name);
+        wanted = with_block(wanted, &name, &markdown(&(entry.options)()));
     }
     holds("README.md", &wanted);
 }

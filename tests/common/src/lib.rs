@@ -6,6 +6,7 @@
 #![allow(missing_docs, reason = "tests read the fields of what they made")]
 #![allow(clippy::unwrap_used, clippy::missing_panics_doc, reason = "a test fails by panicking")]
 
+pub mod docs;
 mod gpu;
 mod plans;
 mod skipped;

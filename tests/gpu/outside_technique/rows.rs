@@ -5,6 +5,7 @@ use shadowgraph::engine::shadow::Catalog;
 use shadowgraph::prelude::*;
 
 use super::{Stage, lamp, request, stage};
+use crate::known::OUTSIDE_ONE_CASE_IN;
 use crate::own_technique::DiscShadow;
 use crate::tolerances::{Bound, Row, Tolerance};
 use crate::trials::try_all;
@@ -73,7 +74,10 @@ fn it_conforms_by_rows_of_its_own() {
     let mut alone = Catalog::new();
     alone.register(DiscShadow::ENTRY);
     let mut renderer = Renderer::new(renderer.gpu().clone(), alone);
-    let library = cases::all().into_iter().step_by(10).flat_map(|entry| entry.build(&shadowgraph::CAST));
+    let library = cases::all()
+        .into_iter()
+        .step_by(OUTSIDE_ONE_CASE_IN)
+        .flat_map(|entry| entry.build(&shadowgraph::CAST));
     let trials: Vec<_> =
         library.chain([own_case()]).flat_map(|case| try_all(&mut renderer, &case, ROWS)).collect();
     let complaints: Vec<_> =

@@ -32,7 +32,25 @@ fn what_receivers_see_of_a_box_is_exact() {
         let lamp = Lamp { p: DVec3::new(0.3, height, 0.2), radius_m };
         let errors = Stage::new(vec![block()], lamp).errors(&mut renderer, "perReceiver");
         println!("lamp at {height} m, radius {radius_m} m: {errors}");
-        assert!(errors.penumbra > 200 && errors.rmse < 0.002, "{errors}");
+        assert!(errors.penumbra > 200 && errors.largest.max(errors.largest_outside) <= 0.0005, "{errors}");
+    }
+}
+
+/// The light is its samples: so far is their share from the whole light's.
+#[test]
+fn samples_are_near_the_whole_light() {
+    let Some(mut renderer) = shadowgraph_testing::renderer() else { return };
+    for (samples, bound) in [(64, 0.013), (256, 0.0045)] {
+        let mut worst = 0.0_f64;
+        for (height, radius_m) in LAMPS.into_iter().skip(3) {
+            let lamp = Lamp { p: DVec3::new(0.3, height, 0.2), radius_m };
+            let options = vec![("samples", ParamValue::Number(f64::from(samples)))];
+            let stage = Stage { options, ..Stage::new(vec![block()], lamp) };
+            let errors = stage.errors(&mut renderer, "sampled");
+            println!("{samples} samples, lamp at {height} m, radius {radius_m} m: {errors}");
+            worst = worst.max(errors.rmse);
+        }
+        assert!(worst < bound && worst > bound / 4.0, "{samples} samples: {worst}");
     }
 }
 
@@ -51,16 +69,13 @@ fn overlapping_areas_add_up() {
     let below = board(Vec3::new(-2.0, 1.2, -2.0), Vec3::new(0.0, 1.2, 2.0));
     let across = board(Vec3::new(-2.0, 1.2, -2.0), Vec3::new(2.0, 1.2, 0.0));
     let samples = disc_samples(1024, 11);
-    for (name, second, largest) in [("one below the other", below, 0.51), ("across", across, 0.26)] {
+    for (name, second, largest) in [("one below the other", below, 0.5), ("across", across, 0.25)] {
         let stage = Stage::new(vec![first.clone(), second], lamp);
         for quality in ["perReceiver", "wedge"] {
             let errors =
                 stage.errors_against(&mut renderer, quality, |p| stage.right_by_samples(p, &samples));
             println!("{name}, {quality}: {errors}");
-            assert!(
-                errors.penumbra > 1000 && errors.mean < 0.0 && errors.largest < largest + 0.03,
-                "{errors}"
-            );
+            assert!(errors.penumbra > 1000 && errors.mean < 0.0 && errors.largest <= largest, "{errors}");
             assert!(errors.largest > largest - 0.1, "better than areas can be: {errors}");
         }
     }
