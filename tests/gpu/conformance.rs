@@ -81,7 +81,10 @@ fn every_technique_does_on_every_case_what_it_declares() {
 /// on every case, and where all variants are there.
 fn needless_exceptions(cases: &[Case], needs: impl Fn(&str, &str, &str) -> bool) -> Vec<String> {
     let mut needless = Vec::new();
-    if std::env::var_os("CASE").is_some() {
+    // Another driver may round otherwise; this is the one on which the table was made.
+    let made_here =
+        || shadowgraph_testing::renderer().is_some_and(|renderer| renderer.gpu().name().contains("llvmpipe"));
+    if std::env::var_os("CASE").is_some() || !made_here() {
         return needless;
     }
     for row in ROWS.iter().filter(|row| !is_thinned(row.technique, row.setting) || row.setting == "default") {

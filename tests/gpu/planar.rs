@@ -4,16 +4,13 @@
 
 use shadowgraph::cases::{self, Case};
 use shadowgraph::engine::render::Frame;
-use shadowgraph::engine::scene::{NodeKey, ParamValue, Params};
+use shadowgraph::engine::scene::{NodeKey, ParamValue};
+use shadowgraph::engine::shadow::Options;
 use shadowgraph::measure::{
     ErrorTable, EvaluateError, Evaluation, KnownReferences, LightError, evaluate, evaluate_again,
 };
 use shadowgraph::prelude::*;
 use shadowgraph_testing::renderer;
-
-fn params(options: &[(&str, f64)]) -> Params {
-    options.iter().map(|(name, value)| ((*name).into(), ParamValue::Number(*value))).collect()
-}
 
 /// Whether a case is about a light with a size.
 fn is_soft(case: &Case) -> bool {

@@ -6,7 +6,7 @@
 
 use super::tolerances_found as found;
 use super::tolerances_maps::{
-    BARS_IN_SAMPLES, FEW_TEXELS, LAMPS_ON_FACES, LONG_TEXELS, LONGER_TEXELS, MAP, SILHOUETTE, map,
+    BARS_IN_SAMPLES, FEW_TEXELS, LAMPS_ON_FACES, LONG_TEXELS, LONGER_TEXELS, MAP, SILHOUETTE, WIDE_BAND, map,
     map_texels, silhouettes,
 };
 
@@ -195,8 +195,6 @@ const OVERLAPS: Group = &[
 /// A caster that touches the light, or almost, is within its sphere.
 const CASTERS_WITHIN: Group = &[
     ("light-on-edge", casters_within(0.13)),
-    ("light-on-vertex", casters_within(0.13)),
-    ("light-touches-caster", casters_within(0.13)),
     ("caster-in-light", casters_within(0.13)),
     ("light-near-face", casters_within(0.13)),
     ("light-near-edge", casters_within(0.13)),
@@ -204,6 +202,10 @@ const CASTERS_WITHIN: Group = &[
     ("light-near-side", casters_within(0.13)),
     ("light-radius/3-m", casters_within(0.13)),
 ];
+
+/// The same, within what 16 points owe anyway.
+const CASTERS_TOUCHING: Group =
+    &[("light-on-vertex", casters_within(0.13)), ("light-touches-caster", casters_within(0.13))];
 
 /// Techniques whose settings other than the default are tried on one case in [`THINNED_TO_ONE_IN`], so that all of it ends
 /// in time, ...
@@ -234,17 +236,11 @@ pub(crate) const ROWS: &[Row] = &[
             ("fins", lids(0.03)),
             ("index-65536/sheet", lids(0.05)),
             ("map-acne/waves", lids(0.4)),
-            ("low-sun", lids(0.001)),
-            ("directional-offscreen", lids(0.02)),
-            ("offscreen-caster", lids(0.02)),
-            ("light-crosses-frustum", lids(0.02)),
             // A flat caster's lid lies in its own plane, and rounding tells them apart on wide floors.
             ("grazing-sun", lids(0.001)),
             ("field-of-view-in-shadow", lids(0.06)),
-            ("msaa/in-shadow", lids(0.03)),
             ("skinned-extreme/parted", lids(0.001)),
             // Cracks that a lid closes.
-            ("sliver", lids(0.001)),
             ("t-junction", lids(0.001)),
         ]],
         ..exact(HARD, "cap")
@@ -267,6 +263,7 @@ pub(crate) const ROWS: &[Row] = &[
         &[
             NOT_MULTISAMPLED,
             CASTERS_WITHIN,
+            CASTERS_TOUCHING,
             NARROW,
             // Hardly any of the light is above the horizon there, and few points.
             &[
@@ -278,7 +275,13 @@ pub(crate) const ROWS: &[Row] = &[
     planar(
         "direct 256",
         points(0.012, 0.0005),
-        &[NOT_MULTISAMPLED, CASTERS_WITHIN, NARROW, &[("receiver-inside-light", points(0.03, 0.0005))]],
+        &[
+            NOT_MULTISAMPLED,
+            CASTERS_WITHIN,
+            CASTERS_TOUCHING,
+            NARROW,
+            &[("receiver-inside-light", points(0.03, 0.0005))],
+        ],
     ),
     planar(
         "default",
@@ -286,6 +289,7 @@ pub(crate) const ROWS: &[Row] = &[
         &[
             NOT_MULTISAMPLED,
             CASTERS_WITHIN,
+            CASTERS_TOUCHING,
             &[
                 ("offset-exact", texels()),
                 ("scale", texels()),
@@ -381,10 +385,10 @@ pub(crate) const ROWS: &[Row] = &[
     },
     exact(TRANSPARENT, "log32"),
     exact(TRANSPARENT, "product32"),
-    map("default", map_texels(0.0011, 0.0011, 0.08), &[LONG_TEXELS, LAMPS_ON_FACES, FEW_TEXELS]),
-    map("pcf 1", map_texels(0.0011, 0.0014, 0.08), &[LONG_TEXELS, LAMPS_ON_FACES, FEW_TEXELS]),
+    map("default", map_texels(0.0011, 0.0011, 0.08), &[WIDE_BAND, LONG_TEXELS, FEW_TEXELS]),
+    map("pcf 1", map_texels(0.0011, 0.0014, 0.08), &[WIDE_BAND, LONG_TEXELS, LAMPS_ON_FACES, FEW_TEXELS]),
     map("512", map_texels(0.005, 0.002, 0.105), &[LONGER_TEXELS, LAMPS_ON_FACES, BARS_IN_SAMPLES]),
-    map("cascades 3", map_texels(0.0016, 0.0016, 0.08), &[LONG_TEXELS, LAMPS_ON_FACES]),
+    map("cascades 3", map_texels(0.0016, 0.0016, 0.08), &[WIDE_BAND, LONG_TEXELS, LAMPS_ON_FACES]),
     // Two texels times the slope, and one along the normal: as far as shadows come off.
     map(
         "biased",
@@ -406,9 +410,9 @@ pub(crate) const ROWS: &[Row] = &[
             ],
         ],
     ),
-    silhouettes("default", map_texels(0.0013, 0.001, 0.05), &[LONG_TEXELS, LAMPS_ON_FACES]),
+    silhouettes("default", map_texels(0.0013, 0.001, 0.05), &[LONG_TEXELS]),
     silhouettes("256", map_texels(0.0075, 0.0045, 0.12), &[LONGER_TEXELS, LAMPS_ON_FACES]),
-    silhouettes("one byte", map_texels(0.0017, 0.001, 0.055), &[LONG_TEXELS, LAMPS_ON_FACES]),
+    silhouettes("one byte", map_texels(0.0017, 0.001, 0.055), &[WIDE_BAND, LONG_TEXELS, LAMPS_ON_FACES]),
     // Its factors are computed for each fragment: four samples a pixel are refused.
     Row { except: &[&[("msaa", Tolerance::ExactWhereAccepted)]], ..exact("Reference", "default") },
 ];

@@ -13,9 +13,11 @@ pub(crate) fn groups(technique: &str, setting: &str) -> &'static [Group] {
         (SOFT, "per-receiver") => &[AREAS, LAYERED, BEFORE_ONE_CASTER],
         (SOFT, "wedge") => &[WEDGES, LAYERED, BEFORE_ONE_CASTER],
         (PLANAR, "direct 16") => &[CASTERS_WITHIN, NARROW],
-        (PLANAR, "direct 64") => &[CASTERS_WITHIN, NARROW, FEW_POINTS],
-        (PLANAR, "direct 256") => &[CASTERS_WITHIN, NARROW],
-        (PLANAR, "default") => &[CASTERS_WITHIN, TEXELS],
+        (PLANAR, "direct 64") => {
+            &[CASTERS_WITHIN, CASTERS_TOUCHING, NARROW, NARROW_IN_MANY_POINTS, FEW_POINTS]
+        }
+        (PLANAR, "direct 256") => &[CASTERS_WITHIN, CASTERS_TOUCHING, NARROW, NARROW_IN_MANY_POINTS],
+        (PLANAR, "default") => &[CASTERS_WITHIN, CASTERS_TOUCHING, TEXELS],
         (TRANSPARENT, "log16" | "product16") => &[HALF_SUMS],
         _ => &[],
     }
@@ -31,24 +33,28 @@ const LIDS: Group = &[
 ];
 
 /// A caster that touches the light, or almost, is within its sphere.
-const CASTERS_WITHIN: Group = &[
+const CASTERS_WITHIN: Group =
+    &[("lamp-1e-9-over-edge", casters_within(0.13)), ("ortho-lamp-beside", casters_within(0.13))];
+
+/// The same, within what 16 points owe anyway.
+const CASTERS_TOUCHING: Group = &[
     ("lamp-1e-9-over-face", casters_within(0.13)),
-    ("lamp-1e-9-over-edge", casters_within(0.13)),
     ("lamp-1e-9-over-vertex", casters_within(0.13)),
     ("soft-lamp-on-edge", casters_within(0.13)),
     ("soft-lamp-on-corner", casters_within(0.13)),
     ("soft-lamp-in-floor/on-a-cube-level-with-another", casters_within(0.13)),
-    ("ortho-lamp-beside", casters_within(0.13)),
 ];
 
 /// Penumbrae of a pixel or two, since frames are small: where within 1/256 pixel an edge is drawn is a good part of them.
-const NARROW: Group = &[
+const NARROW: Group = &[("thin-receiver/slats-ortho", points(0.12, 0.0005))];
+
+/// The same, within what 16 points owe anyway.
+const NARROW_IN_MANY_POINTS: Group = &[
     ("culled-underside/box-without-lid", points(0.1, 0.0005)),
     ("glass-on-box/sun", points(0.1, 0.0005)),
     ("road-50km/cable", points(0.1, 0.0005)),
     ("stretched-at-grazing/sun-200-m", points(0.1, 0.0005)),
     ("thin-receiver/slats-sun", points(0.1, 0.0005)),
-    ("thin-receiver/slats-ortho", points(0.12, 0.0005)),
 ];
 
 /// Hardly any of the light is above the horizon there, and few points.

@@ -22,9 +22,11 @@ pub(crate) const fn silhouettes(setting: &'static str, owes: Tolerance, except: 
     Row { technique: SILHOUETTE, setting, owes, except, accepts_at_least: 240 }
 }
 
+/// A lamp that all but lies in a floor.
+pub(crate) const WIDE_BAND: Group = &[("wide-band", map_texels(0.13, 0.001, 0.41))];
+
 /// Kilometres in one map, lamps and suns that graze, so that one texel is many pixels long.
 pub(crate) const LONG_TEXELS: Group = &[
-    ("wide-band", map_texels(0.13, 0.001, 0.41)),
     ("strip-500m", map_texels(0.008, 0.006, 0.13)),
     ("strip-5km", map_texels(0.13, 0.014, 0.41)),
     ("road-50km", map_texels(0.002, 0.001, 0.08)),

@@ -199,7 +199,7 @@ fn options_say_what_is_accepted() {
         assert!(read("samples", number(value)).unwrap_err().contains("from 1 to 1024"), "{value}");
     }
     assert!(read("radius", number(-1.0)).unwrap_err().contains("from 0"));
-    assert!(read("mode", ParamValue::Text("baked".into())).unwrap_err().ends_with("direct, texture"));
+    assert!(read("mode", ParamValue::Text("baked".into())).unwrap_err().ends_with("texture, direct"));
     assert!(read("resolution", number(10_000.0)).unwrap_err().contains("8192"));
     assert!(read("weight", number(1.5)).unwrap_err().contains("from 0 to 1"));
     assert_eq!(read("color", ParamValue::Numbers(vec![0.1, 0.2, 1.0])).unwrap().color, [0.1, 0.2, 1.0]);
