@@ -127,7 +127,7 @@ fn changed_off_the_board(bench: &mut Bench<'_>) -> Made<usize> {
     let mut stage = Stage::new(bench.effort)?;
     let board = shapes::plane(Vec2::splat(0.5)).moved(Vec3::new(-0.4, 0.2, -0.3)).named("board");
     let board = add(&mut stage.scene, board, matt(Vec3::new(0.5, 0.6, 0.7)))?;
-    let soft = SoftShadow { radius_m: 0.35, ..SoftShadow::DIRECT };
+    let soft = SoftShadow { radius_m: 0.35, samples: 64, ..SoftShadow::DIRECT };
     let node = ShadowNode::from(soft).with_casters([stage.knot]).with_receivers([board]);
     let ask = |request: &mut FrameRequest| request.factors = true;
     let with = bench.frame(&shadowed(&stage.scene, node), ask)?;

@@ -29,7 +29,7 @@ const UNCLEARED_BIT: Spoil = Spoil::Passes(|pass| {
     }
 });
 
-/// Of 64 points a single one is less than what they owe: every fourth marks nothing.
+/// Every fourth point marks nothing: of textures a single one is less than what they owe.
 const LOST_POINTS: Spoil = Spoil::Draws(|draw| {
     let number = draw.name.strip_prefix("point ").and_then(|number| number.parse::<u32>().ok());
     if number.is_some_and(|number| number % 4 == 3) {

@@ -24,7 +24,10 @@ fn query(snapshot: &SceneSnapshot) -> LightQuery {
 
 fn sized(snapshot: &SceneSnapshot, size: LightSize, samples: Samples) -> LightQuery {
     let casters = query(snapshot).casters;
-    LightQuery { sized: vec![SizedCasters { casters, transparent: vec![], size, samples }], ..LightQuery::default() }
+    LightQuery {
+        sized: vec![SizedCasters { casters, transparent: vec![], size, samples }],
+        ..LightQuery::default()
+    }
 }
 
 fn render_with(case: &Case, size: LightSize, samples: Samples) -> ReferenceImage {

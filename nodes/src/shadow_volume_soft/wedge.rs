@@ -21,7 +21,6 @@
 //!   every layer counts, have a shadow that is larger and a penumbra that is narrower (`closure=cap` is the cure).
 //! - Where the rasterised count and the share disagree about which side of an edge the centre is on, a pixel is off by
 //!   a whole layer: along the edge of the hard shadow, as many as hard shadows have within 1/256 pixel of theirs.
-//! - What of the light lies below the receiver's own plane counts as light.
 
 use std::sync::Arc;
 
