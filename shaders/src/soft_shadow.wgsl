@@ -31,9 +31,6 @@ struct PlanarLight {
     half_m: vec2f,
     // 1 where no point lies under the receiver, else 0.
     all_above: u32,
-    pad_0: u32,
-    pad_1: u32,
-    pad_2: u32,
     // From the centre, along the axes of view space, in radii; w is 0 where the point lies under the receiver, else 1.
     points: array<vec4f>,
 }
@@ -75,9 +72,10 @@ fn receiver(@builtin(vertex_index) corner: u32, @builtin(instance_index) instanc
 
 // Whether a fragment does not show the receiver: it is in a hole, or of a triangle with another, visible one over it.
 fn is_left_out(in: Varyings) -> bool {
-    var left_out = false;
 #if MASKED
-    left_out = has_hole(in.uvs, in.alpha);
+    var left_out = has_hole(in.uvs, in.alpha);
+#else
+    var left_out = false;
 #endif
 #if OVERLAPS
     left_out = left_out || any(textureLoad(visible_triangles, vec2u(in.clip.xy), 0).xy != in.triangle);
@@ -250,10 +248,7 @@ fn tinted_at(p: vec3f, pixel: vec2u) -> vec4f {
         let w = weight_of_point(i, point.xyz, seen);
         all += w;
         let is_shadowed = ((bits[(i >> 3u) & 3u] >> (i & 7u)) & 1u) == 1u;
-        let lit = select(w * point.w, 0.0, is_shadowed);
-        if lit > 0.0 {
-            arrives += lit * textureLoad(tints, pixel, i - chunk.first, 0).rgb;
-        }
+        arrives += select(w * point.w, 0.0, is_shadowed) * textureLoad(tints, pixel, i - chunk.first, 0).rgb;
     }
     return vec4f(arrives, all) / f32(light.count);
 }
@@ -266,7 +261,6 @@ fn tinted_points(in: Varyings) -> @location(0) vec4f {
     return tinted_at(in.p_in_view, vec2u(in.clip.xy));
 }
 
-// The same for the middle of a texel.
 @fragment
 fn tinted_texel(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return tinted_at(texel_middle(position), vec2u(position.xy));
@@ -341,8 +335,6 @@ struct GlassCorner {
     alpha_mode: u32,
     // How the texture is read: see common/alpha_mask.
     reading: u32,
-    pad_0: u32,
-    pad_1: u32,
 }
 
 @group(1) @binding(0) var<storage, read> corners: array<GlassCorner>;

@@ -14,7 +14,8 @@ fn glass(color: Vec3, alpha: f32) -> Material {
 fn yard(node: ShadowNode) -> Scene {
     let mut scene = shadowgraph_testing::with_floor();
     let floor = scene.nodes().next().unwrap().0;
-    let texel = |i: usize| if (i % 8 + i / 8) % 2 == 0 { [200, 40, 40, 160] } else { [250, 250, 120, 60] };
+    let texel =
+        |i: usize| if (i % 8 + i / 8).is_multiple_of(2) { [200, 40, 40, 160] } else { [250, 250, 120, 60] };
     let image = scene.add_image(std::sync::Arc::new(Image {
         name: "squares".into(),
         width: 8,

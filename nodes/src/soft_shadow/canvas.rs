@@ -53,13 +53,12 @@ macro_rules! fields {
 /// compares.
 pub fn planar_layouts() -> [(&'static str, &'static str, Layout); 4] {
     use super::batches::{GlassCorner, MaskedCorner};
-    let mut light =
-        fields!(PlanarLight: center, radius_m, count, center_point, half_m, all_above, pad_0, pad_1, pad_2);
+    let mut light = fields!(PlanarLight: center, radius_m, count, center_point, half_m, all_above);
     light.push(("points", size_of::<PlanarLight>()));
     let texture = fields!(PlanarTexture: x_axis, x_offset, y_axis, y_offset);
     let corner = fields!(MaskedCorner: position, caster, uv, alpha, cutoff, reading, pad_0, pad_1, pad_2);
     let glass = fields!(GlassCorner:
-        position, caster, color, base_color, uv, cutoff, transmission, alpha_mode, reading, pad_0, pad_1);
+        position, caster, color, base_color, uv, cutoff, transmission, alpha_mode, reading);
     // A runtime-sized array counts as one element.
     [
         ("RECEIVER", "PlanarLight", (light, size_of::<PlanarLight>() + size_of::<[f32; 4]>())),

@@ -88,7 +88,7 @@ fn tint(
     let mut draws = Vec::new();
     for batch in casters.glass().filter(|batch| batch.runs[number].1 > 0) {
         let state = DrawState {
-            stencil: Some(stencil.clone()),
+            stencil: Some(stencil),
             ..DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)])
         };
         let first_caster = (number * casters.centers.len()) as u32;
