@@ -33,13 +33,13 @@ pub(crate) const KNOWN: &[Known] = &[];
 pub(crate) const KNOWN_ON_CASES: &[Known] = &[
     Known {
         technique: PLANAR,
-        settings: &["default"],
+        settings: &["texture"],
         cases: &["low-sun", "map-grazing/1-deg", "instanced-1000/open"],
         why: "texels are long where light grazes; and a thousand receivers' textures are over the memory budget",
     },
     Known {
         technique: PLANAR,
-        settings: &["direct 64", "direct 256"],
+        settings: &["64 samples", "256 samples"],
         cases: &["1x1/64x1"],
         why: "half of one pixel of 52 is more than the bound for whole frames",
     },

@@ -256,9 +256,9 @@ pub(crate) const ROWS: &[Row] = &[
     sampled("default"),
     sampled("samples 16"),
     sampled("samples 256"),
-    planar("direct 16", points(0.07, 0.0005), &[NOT_MULTISAMPLED, CASTERS_WITHIN]),
+    planar("default", points(0.07, 0.0005), &[NOT_MULTISAMPLED, CASTERS_WITHIN]),
     planar(
-        "direct 64",
+        "64 samples",
         points(0.024, 0.0005),
         &[
             NOT_MULTISAMPLED,
@@ -273,7 +273,7 @@ pub(crate) const ROWS: &[Row] = &[
         ],
     ),
     planar(
-        "direct 256",
+        "256 samples",
         points(0.012, 0.0005),
         &[
             NOT_MULTISAMPLED,
@@ -284,7 +284,7 @@ pub(crate) const ROWS: &[Row] = &[
         ],
     ),
     planar(
-        "default",
+        "texture",
         points(0.07, 0.002),
         &[
             NOT_MULTISAMPLED,
@@ -295,6 +295,8 @@ pub(crate) const ROWS: &[Row] = &[
                 ("scale", texels()),
                 ("light-far", texels()),
                 ("texels/128", texels()),
+                ("light-radius/0.001-m", texels()),
+                ("light-radius/0.01-m", texels()),
                 ("grazing-sun", texels()),
                 ("grazing-lamp", texels()),
             ],

@@ -12,12 +12,12 @@ pub(crate) fn groups(technique: &str, setting: &str) -> &'static [Group] {
         (HARD, "cap") => &[LIDS],
         (SOFT, "per-receiver") => &[AREAS, LAYERED, BEFORE_ONE_CASTER],
         (SOFT, "wedge") => &[WEDGES, LAYERED, BEFORE_ONE_CASTER],
-        (PLANAR, "direct 16") => &[CASTERS_WITHIN, NARROW],
-        (PLANAR, "direct 64") => {
+        (PLANAR, "default") => &[CASTERS_WITHIN, NARROW],
+        (PLANAR, "64 samples") => {
             &[CASTERS_WITHIN, CASTERS_TOUCHING, NARROW, NARROW_IN_MANY_POINTS, FEW_POINTS]
         }
-        (PLANAR, "direct 256") => &[CASTERS_WITHIN, CASTERS_TOUCHING, NARROW, NARROW_IN_MANY_POINTS],
-        (PLANAR, "default") => &[CASTERS_WITHIN, CASTERS_TOUCHING, TEXELS],
+        (PLANAR, "256 samples") => &[CASTERS_WITHIN, CASTERS_TOUCHING, NARROW, NARROW_IN_MANY_POINTS],
+        (PLANAR, "texture") => &[CASTERS_WITHIN, CASTERS_TOUCHING, TEXELS],
         (TRANSPARENT, "log16" | "product16") => &[HALF_SUMS],
         _ => &[],
     }
