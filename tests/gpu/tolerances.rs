@@ -148,6 +148,9 @@ pub(crate) const fn areas(
 /// Where layers overlap.
 pub(crate) const LAYERS: &str =
     "areas add up where casters, or layers of one that is open, overlap before the light";
+/// Where holes are asked by samples beside areas.
+const MASKS: &str =
+    "what masks leave is multiplied with what areas do, though both may hide the same part of the light";
 /// Where a face is edge-on to the light's centre.
 const EDGE_ON: &str = "on faces in whose plane the light's centre lies, rounding decides on which side of their own edges \
     the centre is, and half of the light is at stake";
@@ -308,6 +311,7 @@ pub(crate) const ROWS: &[Row] = &[
             NOT_MULTISAMPLED,
             OVERLAPS,
             &[
+                ("alpha-mask", areas(0.0005, 0.012, 0.1, 0.6, MASKS)),
                 ("duplicate-face", areas(0.0001, 0.004, 0.06, 0.5, LAYERS)),
                 ("penumbra-overlap", areas(0.0001, 0.001, 0.09, 0.35, LAYERS)),
                 ("light-on-edge", areas(0.0001, 0.001, 0.15, 0.2, LAYERS)),
@@ -325,6 +329,7 @@ pub(crate) const ROWS: &[Row] = &[
             NOT_MULTISAMPLED,
             OVERLAPS,
             &[
+                ("alpha-mask", areas(0.0005, 0.012, 0.1, 0.6, MASKS)),
                 ("duplicate-face", areas(0.001, 0.004, 0.06, 0.5, LAYERS)),
                 // The centre is inside: nothing outside sees it, and all of the light is taken to be hidden with it.
                 ("caster-in-light/centre-inside", areas(0.001, 1.0, 0.95, 0.95, FROM_THE_CENTRE)),
