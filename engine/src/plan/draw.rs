@@ -22,6 +22,16 @@ pub const MULTIPLY: BlendState = {
     BlendState { color: multiply, alpha: multiply }
 };
 
+/// The target plus the fragment's value: how techniques add up in float targets.
+pub const ADD: BlendState = {
+    let add = BlendComponent {
+        src_factor: BlendFactor::One,
+        dst_factor: BlendFactor::One,
+        operation: BlendOperation::Add,
+    };
+    BlendState { color: add, alpha: add }
+};
+
 /// A shader: composed WGSL and its entry points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shader {

@@ -15,8 +15,8 @@ mod validate;
 
 pub use antialias::{Antialias, MULTISAMPLED_EVERYWHERE, STANDARD_SAMPLES_PX, UnknownAntialias};
 pub use draw::{
-    Binding, Draw, DrawState, Geometry, MULTIPLY, PulledStyle, STENCIL_AT_REST, Shader, ShaderError, Stencil,
-    SurfaceStyle,
+    ADD, Binding, Draw, DrawState, Geometry, MULTIPLY, PulledStyle, STENCIL_AT_REST, Shader, ShaderError,
+    Stencil, SurfaceStyle,
 };
 pub use lights::{FULL_DARKENING, FactorAt, FactorPart, LightPlanned, max_darkening};
 pub use pass::{Access, ColorTarget, DepthTarget, Load, Pass};

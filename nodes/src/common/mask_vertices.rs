@@ -1,7 +1,16 @@
 //! Where the vertices of a part with holes or of glass are in its texture, and what their own colour is.
 
 use glam::{DVec2, DVec3, DVec4, Vec2};
-use shadowgraph_engine::scene::{Instance, TexCoord, TextureRef};
+use shadowgraph_engine::scene::{AlphaMode, Instance, Material, TexCoord, TextureRef};
+
+/// How alpha counts, as `passing_surface` of common/transmission.wgsl knows it, and the cutoff of masks.
+pub fn alpha_mode_of(material: &Material) -> (u32, f32) {
+    match material.alpha_mode {
+        AlphaMode::Opaque => (0, 0.0),
+        AlphaMode::Mask { cutoff } => (1, cutoff),
+        AlphaMode::Blend => (2, 0.0),
+    }
+}
 
 /// The vertices of an instance, as a texture of one of its materials is laid over them.
 pub struct MaskVertices<'a> {
@@ -35,6 +44,6 @@ impl<'a> MaskVertices<'a> {
 
     /// The alpha of its colour, 0 to 1.
     pub fn alpha(&self, vertex: u32) -> f64 {
-        f64::from(self.instance.mesh.color8(vertex)[3]) / 255.0
+        self.color(vertex).w
     }
 }

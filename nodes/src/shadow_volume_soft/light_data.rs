@@ -393,6 +393,12 @@ impl ShadowVolumeSoft {
             ..GridPlane::default()
         };
         head.slice_ends.iter_mut().zip(slice_ends).for_each(|(place, end)| *place = *end as f32);
+        if let Some(masks) = &chains.masks {
+            head.masked_lists = masks.lists as u32;
+            head.masked_side = masks.side as u32;
+            head.first_masked = masks.first as u32;
+            head.end_masked = (masks.first + masks.count) as u32;
+        }
         SoftHead {
             plane_count: planes.len() as u32,
             side: *side as u32,
@@ -403,10 +409,6 @@ impl ShadowVolumeSoft {
             triangle_side: *triangle_side as u32,
             triangle_lists: chains.grid.edge_lists() as u32 + 1,
             near_lists: chains.near_lists as u32,
-            masked_lists: chains.masks.as_ref().map_or(0, |masks| masks.lists as u32),
-            masked_side: chains.masks.as_ref().map_or(0, |masks| masks.side as u32),
-            first_masked: chains.masks.as_ref().map_or(0, |masks| masks.first as u32),
-            end_masked: chains.masks.as_ref().map_or(0, |masks| (masks.first + masks.count) as u32),
             ..head
         }
     }

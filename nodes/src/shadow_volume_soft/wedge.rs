@@ -29,8 +29,7 @@ use glam::{DVec3, DVec4};
 use shadowgraph_engine::geometry::Chain;
 use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::plan::{
-    BlendComponent, BlendFactor, BlendOperation, BlendState, BufferDesc, CompareFunction, DrawState, Load,
-    MULTIPLY, Resource, Shader, ShaderError,
+    ADD, BufferDesc, CompareFunction, DrawState, Load, MULTIPLY, Resource, Shader, ShaderError,
 };
 use shadowgraph_engine::shadow::{
     Binding, Channels, ColorTarget, Contribution, DepthTarget, Draw, Geometry, LightContext, LightSize, Pass,
@@ -152,16 +151,6 @@ fn add_shares(
     });
     Ok(Contribution::visibility(Channels::One))
 }
-
-/// dst + src: layers and shares of either sign.
-const ADD: BlendState = {
-    let add = BlendComponent {
-        src_factor: BlendFactor::One,
-        dst_factor: BlendFactor::One,
-        operation: BlendOperation::Add,
-    };
-    BlendState { color: add, alpha: add }
-};
 
 /// A shader of this technique's own.
 fn shader(vertex: &'static str, fragment: &'static str) -> Result<Shader, ShaderError> {

@@ -6,12 +6,13 @@ use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use glam::{DVec3, DVec4};
 use shadowgraph_engine::math::{Aabb, facing_sign};
 use shadowgraph_engine::plan::{BufferDesc, Resource};
-use shadowgraph_engine::scene::{AlphaMode, ImageKey, Material};
+use shadowgraph_engine::scene::{ImageKey, Material};
 use shadowgraph_engine::shadow::{LightContext, PassList, hash_of};
 
 use super::above_plane::{AbovePlane, Vertex};
 use super::points::LightPoints;
 use super::receivers::Receiver;
+use crate::common::mask_vertices::alpha_mode_of;
 
 /// A corner of a triangle without holes: from its caster's middle, and the caster's number.
 #[repr(C)]
@@ -118,7 +119,7 @@ impl Run {
     /// What of the material is in the corners: colour, how alpha counts, transmission, and how its texture is read.
     fn material_bits(&self) -> ([u32; 4], (u32, u32), u32, u32) {
         let material = &self.material;
-        let (alpha_mode, cutoff) = alpha_of(material);
+        let (alpha_mode, cutoff) = alpha_mode_of(material);
         let color = material.base_color.to_array().map(f32::to_bits);
         (color, (alpha_mode, cutoff.to_bits()), material.transmission.to_bits(), self.reading())
     }
@@ -132,7 +133,7 @@ impl Run {
         let (material, caster) = (&self.material, self.caster);
         let position = (vertex.p_in_world - self.center).as_vec3().to_array();
         let (uv, reading) = (vertex.uv.as_vec2().to_array(), self.reading());
-        let (alpha_mode, cutoff) = alpha_of(material);
+        let (alpha_mode, cutoff) = alpha_mode_of(material);
         match kind {
             Kind::Whole => bytes_of(&Corner { position, caster }).to_vec(),
             Kind::Masked => {
@@ -162,15 +163,6 @@ impl Run {
             })
             .to_vec(),
         }
-    }
-}
-
-/// How alpha counts, as shaders know it, and the cutoff of masks.
-fn alpha_of(material: &Material) -> (u32, f32) {
-    match material.alpha_mode {
-        AlphaMode::Opaque => (0, 0.0),
-        AlphaMode::Mask { cutoff } => (1, cutoff),
-        AlphaMode::Blend => (2, 0.0),
     }
 }
 

@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 use bytemuck::bytes_of;
 use shadowgraph_engine::plan::{
-    Access, BlendComponent, BlendFactor, BlendOperation, BlendState, BufferDesc, CompareFunction, DrawState,
-    Lifetime, Load, MULTIPLY, Resource, ShaderError, Stencil, StencilFaceState, TextureDesc, TextureFormat,
+    ADD, Access, BufferDesc, CompareFunction, DrawState, Lifetime, Load, MULTIPLY, Resource, Shader,
+    ShaderError, Stencil, StencilFaceState, TextureDesc, TextureFormat,
 };
 use shadowgraph_engine::shadow::{
     Binding, ColorTarget, DepthTarget, Draw, Features, Geometry, LightContext, Pass, PassList, ShadowError,
@@ -55,10 +55,11 @@ pub(super) fn weigh(
     let sum = target("tinted light", 1, "what arrives of all points, and how much they weigh");
     let matrices = canvas.matrices(light, out, (receiver, lit, casters));
     let points = canvas.points(light, out, (receiver, lit));
+    let shaders = casters.glass().map(caster_shader).collect::<Result<Vec<_>, _>>()?;
     for first in (0..count).step_by(POINTS_AT_A_TIME) {
         let numbers = first..(first + POINTS_AT_A_TIME).min(count);
         for number in numbers.clone().filter(|number| lit.heights[*number] > 0.0) {
-            tint(light, out, (receiver, casters), (targets, tints, matrices), (number, first))?;
+            tint(light, out, (receiver, casters, &shaders), (targets, tints, matrices), (number, first));
         }
         let chunk = [first as u32, numbers.end as u32];
         add(light, out, canvas, receiver, (chunk, [targets.bits, tints, points], sum))?;
@@ -78,21 +79,21 @@ pub(super) fn weigh(
 fn tint(
     light: &LightContext<'_>,
     out: &mut PassList<'_>,
-    (receiver, casters): (&Receiver, &Casters),
+    (receiver, casters, shaders): (&Receiver, &Casters, &[Shader]),
     (targets, tints, matrices): (Targets, Resource, Resource),
     (number, first): (usize, usize),
-) -> Result<(), ShaderError> {
+) {
     // Only where the receiver is: there something has marked the stencil.
     let face = StencilFaceState { compare: CompareFunction::Less, ..StencilFaceState::IGNORE };
     let stencil = Stencil { front: face, back: face, read_mask: 0xff, write_mask: 0, reference: 0 };
     let mut draws = Vec::new();
-    for batch in casters.glass().filter(|batch| batch.runs[number].1 > 0) {
+    for (batch, shader) in casters.glass().zip(shaders).filter(|(batch, _)| batch.runs[number].1 > 0) {
         let state = DrawState {
             stencil: Some(stencil),
             ..DrawState::new(CompareFunction::Always, vec![Some(MULTIPLY)])
         };
         let first_caster = (number * casters.centers.len()) as u32;
-        draws.push(flattened((batch, &caster_shader(batch)?), matrices, (number, first_caster), state));
+        draws.push(flattened((batch, shader), matrices, (number, first_caster), state));
     }
     out.pass(Pass {
         name: format!("tints on {} from {}", receiver.name, light.light().name),
@@ -107,7 +108,6 @@ fn tint(
         }),
         draws,
     });
-    Ok(())
 }
 
 /// Adds the pass that adds what arrives of the points of a chunk to the sum.
@@ -147,12 +147,3 @@ fn add(
     });
     Ok(())
 }
-
-const ADD: BlendState = {
-    let add = BlendComponent {
-        src_factor: BlendFactor::One,
-        dst_factor: BlendFactor::One,
-        operation: BlendOperation::Add,
-    };
-    BlendState { color: add, alpha: add }
-};

@@ -7,11 +7,12 @@
 use bytemuck::{Pod, Zeroable};
 use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::plan::{MULTIPLY, Shader, ShaderError};
-use shadowgraph_engine::scene::{AlphaMode, Instance, Material};
+use shadowgraph_engine::scene::{Instance, Material};
 use shadowgraph_engine::shadow::{
     Channels, ColorTarget, Contribution, LightContext, Pass, PassList, ShadowError, hash_of,
 };
 
+use crate::common::mask_vertices::alpha_mode_of;
 use crate::common::ray_candidates::{Corners, Layout, RayCandidates, Run};
 use crate::layout;
 
@@ -99,11 +100,7 @@ fn shader(textured: bool) -> Result<Shader, ShaderError> {
 
 fn record(light: &LightContext<'_>, instance: &Instance, material: &Material) -> PaneCaster {
     let center = instance.world_bounds.center();
-    let (alpha_mode, cutoff) = match material.alpha_mode {
-        AlphaMode::Opaque => (0, 0.0),
-        AlphaMode::Mask { cutoff } => (1, cutoff),
-        AlphaMode::Blend => (2, 0.0),
-    };
+    let (alpha_mode, cutoff) = alpha_mode_of(material);
     PaneCaster {
         center: (center - light.view.camera.world_from_view.translation).as_vec3().to_array(),
         alpha_mode,
