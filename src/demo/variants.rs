@@ -5,26 +5,14 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use shadowgraph_engine::scene::{Content, Light, Scene};
 
-/// The scene with an empty group for every node whose content is one of `which`.
-fn without(scene: &Scene, which: fn(&Content) -> bool) -> Scene {
-    let mut scene = scene.clone();
-    let nodes: Vec<_> = scene.nodes().filter(|(_, node)| which(&node.content)).map(|(key, _)| key).collect();
-    for key in nodes {
-        if let Some(node) = scene.node_mut(key) {
-            node.content = Content::Group;
-        }
-    }
-    scene
-}
-
 /// The scene without its shadow nodes.
 pub fn without_shadows(scene: &Scene) -> Scene {
-    without(scene, |content| matches!(content, Content::Shadow(_)))
+    scene.emptied_of(|content| matches!(content, Content::Shadow(_)))
 }
 
 /// The scene with `count` lamps in a ring above it in place of its lights; they give as much light together, however many.
 pub fn under_lamps(scene: &Scene, count: u32) -> Scene {
-    let mut scene = without(scene, |content| matches!(content, Content::Light(_)));
+    let mut scene = scene.emptied_of(|content| matches!(content, Content::Light(_)));
     for i in 0..count {
         let angle_rad = TAU * f64::from(i) / f64::from(count) + 0.6;
         let place = DVec3::new(3.6 * angle_rad.cos(), 6.5, 3.6 * angle_rad.sin());

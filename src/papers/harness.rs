@@ -172,9 +172,18 @@ impl<'a> Bench<'a> {
 
     /// A frame from the scene's first camera at the judged size, with an exposure of 1 and whatever `ask` asks for.
     pub(super) fn frame(&mut self, scene: &Scene, ask: impl FnOnce(&mut FrameRequest)) -> Made<Frame> {
-        let mut request = FrameRequest::new(camera(scene)?, self.effort.picture_px);
+        self.drawn(scene, self.effort.picture_px, Exposure::Fixed(1.0), ask)
+    }
+
+    fn drawn(
+        &mut self,
+        scene: &Scene,
+        size_px: [u32; 2],
+        exposure: Exposure,
+        ask: impl FnOnce(&mut FrameRequest),
+    ) -> Made<Frame> {
+        let mut request = FrameRequest::new(camera(scene)?, size_px);
         ask(&mut request);
-        let exposure = Exposure::Fixed(1.0);
         let options = RenderOptions { exposure, read_picture: true, ..RenderOptions::default() };
         Ok(self.renderer.render(scene, &request, &options)?)
     }
@@ -207,9 +216,7 @@ impl<'a> Bench<'a> {
         oversampling: u32,
     ) -> Made<Picture> {
         let size_px = self.effort.picture_px.map(|side| side * oversampling);
-        let request = FrameRequest::new(camera(scene)?, size_px);
-        let options = RenderOptions { exposure, read_picture: true, ..RenderOptions::default() };
-        let frame = self.renderer.render(scene, &request, &options)?;
+        let frame = self.drawn(scene, size_px, exposure, |_| {})?;
         let pixels = frame.picture.ok_or(PaperError::Missing("a frame's picture"))?;
         let large = RgbaImage::from_raw(size_px[0], size_px[1], pixels.bytes)
             .ok_or(PaperError::Missing("a part of a frame's picture"))?;

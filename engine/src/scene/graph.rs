@@ -316,6 +316,16 @@ impl Scene {
         self.nodes.iter()
     }
 
+    /// The scene with an empty group in place of every content that is one of `which`: transforms and children stay.
+    pub fn emptied_of(&self, which: impl Fn(&Content) -> bool) -> Self {
+        let mut scene = self.clone();
+        scene.touch();
+        for node in scene.nodes.values_mut().filter(|node| which(&node.content)) {
+            node.content = Content::Group;
+        }
+        scene
+    }
+
     /// The nodes without a parent, in the order they were added.
     pub fn roots(&self) -> &[NodeKey] {
         &self.roots

@@ -122,29 +122,35 @@ impl SizedQuery {
         }
         let way = Way::new(self.size, &self.casters, light.position, moved);
         let center_only = way.disc().radius == 0.0;
-        let panes = self.transparent.as_ref().map(|set| PanesBefore::new(tracer, &way, set));
+        let gathered = tracer.gather(&way);
+        // What is dark as a whole needs no glass.
+        let set = self.transparent.as_ref().filter(|_| gathered != Some(false));
+        let panes = set.map(|set| PanesBefore::new(tracer, &way, set));
+        // Within the light all samples are in the centre; their share is 0 or 1.
+        let place = |index: u32| if center_only { DVec2::ZERO } else { self.samples[index as usize] };
+        let tints =
+            |index: u32| panes.as_ref().map_or([DVec3::ONE; 3], |panes| panes.tints(&way, place(index)));
+        let of_all = panes.as_ref().map_or(Some(DVec3::ONE), PanesBefore::of_all);
         let mut arriving = Arriving::default();
         let mut darken = |index: usize| {
             if let Some(word) = lit.get_mut(index / 64) {
                 *word &= !(1 << (index % 64));
             }
         };
-        match tracer.gather(&way) {
+        match gathered {
             Some(true) => {
                 let sight = Sight { lit: true, certain: true };
-                arriving.add(self.tree.all_members(), sight, (&way, panes.as_ref()), &self.samples);
+                arriving.add(self.tree.all_members(), sight, of_all, tints);
             }
             Some(false) => (0..self.samples.len()).for_each(darken),
             None => {
                 let mut tell = |members: &[u32], Sight { lit, certain }: Sight| {
-                    let samples = if center_only { &[DVec2::ZERO][..] } else { &self.samples };
-                    arriving.add(members, Sight { lit, certain }, (&way, panes.as_ref()), samples);
+                    arriving.add(members, Sight { lit, certain }, of_all, tints);
                     if !lit {
                         members.iter().for_each(|index| darken(*index as usize));
                     }
                 };
                 match center_only {
-                    // All samples are in the centre; their share is 0 or 1.
                     true => tell(self.tree.all_members(), tracer.sees_center(&way)),
                     false => tracer.ask(&way, (&self.tree, &self.samples), &mut tell),
                 }
@@ -171,13 +177,13 @@ struct Arriving {
 }
 
 impl Arriving {
-    /// Adds samples that are all seen alike, behind glass if there is some; the last of `samples` stands for those beyond.
+    /// Adds samples that are all seen alike, behind glass that lets the same pass to all of them (`of_all`), or else to each its own.
     fn add(
         &mut self,
         members: &[u32],
         Sight { lit, certain }: Sight,
-        (way, panes): (&Way<'_>, Option<&PanesBefore<'_>>),
-        samples: &[DVec2],
+        of_all: Option<DVec3>,
+        tints: impl Fn(u32) -> [DVec3; 3],
     ) {
         if !lit && certain {
             return;
@@ -191,15 +197,9 @@ impl Arriving {
                 self.least += count * least;
             }
         };
-        match panes {
-            None => add(members.len() as f64, [DVec3::ONE; 3]),
-            Some(panes) => match panes.of_all() {
-                Some(tint) => add(members.len() as f64, [tint; 3]),
-                None => members.iter().for_each(|index| {
-                    let sample = samples[(*index as usize).min(samples.len() - 1)];
-                    add(1.0, panes.tints(way, sample));
-                }),
-            },
+        match of_all {
+            Some(tint) => add(members.len() as f64, [tint; 3]),
+            None => members.iter().for_each(|index| add(1.0, tints(*index))),
         }
     }
 }

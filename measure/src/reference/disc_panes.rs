@@ -29,8 +29,6 @@ pub(crate) struct PanesBefore<'a> {
 struct PaneBefore<'a> {
     triangle: &'a Triangle,
     color: &'a PaneColor,
-    /// What it lets pass, if that is the same everywhere.
-    even: Option<DVec3>,
     /// Before which part of the disc; `None` where before all of it.
     partial: Option<Partial>,
 }
@@ -47,9 +45,8 @@ impl<'a> PanesBefore<'a> {
                     if !triangle.casts || !casters.contains(triangle.instance) {
                         continue;
                     }
-                    let even = color.even();
                     let class = reference.classify_triangle((place as u32, triangle), way, way.all_moves());
-                    let partial = match (class, even) {
+                    let partial = match (class, color.even) {
                         (Class::Misses, _) => continue,
                         (Class::Covers, Some(tint)) => {
                             whole *= tint;
@@ -58,7 +55,7 @@ impl<'a> PanesBefore<'a> {
                         (Class::Covers, None) => None,
                         (Class::Partly(partial), _) => Some(partial),
                     };
-                    partly.push(PaneBefore { triangle, color, even, partial });
+                    partly.push(PaneBefore { triangle, color, partial });
                 }
                 true
             });
@@ -98,7 +95,7 @@ impl<'a> PanesBefore<'a> {
 impl PaneBefore<'_> {
     /// What it lets pass where the way to `sample` crosses it: the least over all moves, without one, and the largest.
     fn passing(&self, way: &Way<'_>, sample: DVec2) -> [DVec3; 3] {
-        if let Some(tint) = self.even {
+        if let Some(tint) = self.color.even {
             return [tint; 3];
         }
         let tint = |index: usize| {

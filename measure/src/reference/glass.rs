@@ -49,6 +49,8 @@ pub(super) struct PaneColor {
     corner_colors: [DVec4; 3],
     texture: Option<(Arc<Image>, TextureRef)>,
     corner_uvs: [DVec2; 3],
+    /// What passes it, where that is the same everywhere.
+    pub(super) even: Option<DVec3>,
 }
 
 impl PaneColor {
@@ -58,8 +60,12 @@ impl PaneColor {
         let material = Arc::clone(instance.material_of(index));
         let worn = material.base_color_texture;
         let color = |vertex| DVec4::from(instance.mesh.color8(vertex).map(|byte| f64::from(byte) / 255.0));
+        let corner_colors = instance.mesh.triangle(index).map(color);
+        let [a, b, c] = corner_colors;
+        let is_even = worn.is_none() && a == b && b == c;
         Self {
-            corner_colors: instance.mesh.triangle(index).map(color),
+            corner_colors,
+            even: is_even.then(|| material.transmission_at(material.base_color.as_dvec4() * a)),
             texture: worn.and_then(|worn| Some((Arc::clone(snapshot.images.get(&worn.image)?), worn))),
             corner_uvs: corner_uvs(instance, worn, index),
             material,
@@ -69,13 +75,6 @@ impl PaneColor {
     /// What passes the triangle with these corners at `point`.
     pub(super) fn passing(&self, corners: &[DVec3; 3], point: DVec3) -> DVec3 {
         self.material.transmission_at(self.at(corners, point))
-    }
-
-    /// What passes it, where that is the same everywhere.
-    pub(super) fn even(&self) -> Option<DVec3> {
-        let [a, b, c] = self.corner_colors;
-        let is_even = self.texture.is_none() && a == b && b == c;
-        is_even.then(|| self.material.transmission_at(self.material.base_color.as_dvec4() * a))
     }
 
     /// The linear base colour at `point` of the triangle with these corners.

@@ -22,15 +22,7 @@ use crate::{LightError, LightQuery, Measured, compare, converged_queries, measur
 
 /// The scene without any shadow.
 pub(super) fn without_shadows(scene: &Scene) -> Scene {
-    let mut scene = scene.clone();
-    let shadows = scene.nodes().filter(|(_, node)| matches!(node.content, Content::Shadow(_)));
-    let shadows: Vec<_> = shadows.map(|(key, _)| key).collect();
-    for key in shadows {
-        if let Some(node) = scene.node_mut(key) {
-            node.content = Content::Group;
-        }
-    }
-    scene
+    scene.emptied_of(|content| matches!(content, Content::Shadow(_)))
 }
 
 /// The scene with this technique and setting in its shadow nodes, whose scopes stay; without any, one over everything. A
