@@ -60,10 +60,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let sky = scene.add_light(sky, DVec3::ZERO, DVec3::new(-0.6, -1.0, -0.45));
 
     let receivers = [floor, wall, tilted];
-    let soft = SoftShadow { samples: 64, radius_m: 0.25, ..SoftShadow::default() };
+    let soft = SoftShadow { samples: 64, radius_m: 0.25, ..SoftShadow::DIRECT };
     scene.add_shadow("the lamp's", ShadowNode::from(soft).with_lights([lamp]).with_receivers(receivers));
     let worn = SoftShadow {
-        mode: PlanarMode::Texture,
         samples: 64,
         angle_deg: 2.5,
         weight: 0.9,

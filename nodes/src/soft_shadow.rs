@@ -20,7 +20,8 @@
 //! other side are dark there.
 //!
 //! This file says what is drawn; `options` how it is asked for, `receivers` where, `casters` what (their part `above_plane`, in
-//! `batches`), `points` from where, and `overlap` whether a receiver has places that more than one of its triangles covers.
+//! `batches`), `points` from where, `canvas` onto what, `shadowed_area` over how much of a receiver and how finely, `tints` how
+//! glass colours it, and `overlap` whether a receiver has places that more than one of its triangles covers.
 //!
 //! *Limits.* `samples` points give steps in penumbrae, and an error that falls about as samples^-0.8. Rasterisation
 //! snaps vertices to 1/256 pixel. A caster within the light's own sphere is before some points of the ball that are
@@ -36,6 +37,7 @@ mod options;
 mod overlap;
 mod points;
 mod receivers;
+mod shadowed_area;
 mod tints;
 
 use std::collections::BTreeMap;

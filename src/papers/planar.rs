@@ -59,7 +59,7 @@ const FEW_TEXTURES: [u32; 2] = [64, 256];
 
 pub(super) fn fig_5(bench: &mut Bench<'_>) -> Made<Entry> {
     let stage = Stage::new(bench.effort)?;
-    let soft = SoftShadow { radius_m: 0.35, samples: 256, ..SoftShadow::default() };
+    let soft = SoftShadow { radius_m: 0.35, samples: 256, ..SoftShadow::DIRECT };
     let mut references = KnownReferences::with_samples(bench.effort.light_samples);
     let (mut rows, mut line, mut figures) = (Vec::new(), PlottedLine::default(), Vec::new());
     for samples in if bench.effort.ends_only { vec![4, 16, 128, 256] } else { POINTS.to_vec() } {
@@ -127,7 +127,7 @@ fn changed_off_the_board(bench: &mut Bench<'_>) -> Made<usize> {
     let mut stage = Stage::new(bench.effort)?;
     let board = shapes::plane(Vec2::splat(0.5)).moved(Vec3::new(-0.4, 0.2, -0.3)).named("board");
     let board = add(&mut stage.scene, board, matt(Vec3::new(0.5, 0.6, 0.7)))?;
-    let soft = SoftShadow { radius_m: 0.35, samples: 64, ..SoftShadow::default() };
+    let soft = SoftShadow { radius_m: 0.35, samples: 64, ..SoftShadow::DIRECT };
     let node = ShadowNode::from(soft).with_casters([stage.knot]).with_receivers([board]);
     let ask = |request: &mut FrameRequest| request.factors = true;
     let with = bench.frame(&shadowed(&stage.scene, node), ask)?;

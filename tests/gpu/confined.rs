@@ -51,7 +51,7 @@ fn no_picture_changes_where_visibilities_are_confined() {
         ("ShadowVolumeSoft", &[("quality", "perReceiver")]),
         ("ShadowVolumeSoft", &[("quality", "wedge")]),
         ("SoftShadow", &[]),
-        ("SoftShadow", &[("mode", "texture")]),
+        ("SoftShadow", &[("mode", "direct")]),
         ("TransparentShadow", &[]),
         ("TransparentShadow", &[("selfShadow", "partial")]),
         ("TransparentShadow", &[("selfShadow", "none")]),

@@ -33,13 +33,17 @@ pub(crate) const KNOWN: &[Known] = &[];
 pub(crate) const KNOWN_ON_CASES: &[Known] = &[
     Known {
         technique: PLANAR,
-        settings: &["texture"],
-        cases: &["low-sun", "map-grazing/1-deg", "instanced-1000/open"],
-        why: "texels are long where light grazes; and a thousand receivers' textures are over the memory budget",
+        settings: &["default"],
+        cases: &[
+            "map-grazing/1-deg",
+            "thin-receiver/grazing-floor",
+            "room-through-culled-walls/turned-by-node",
+        ],
+        why: "texels are long where light grazes, and wider than penumbrae are",
     },
     Known {
         technique: PLANAR,
-        settings: &["64 samples", "256 samples"],
+        settings: &["direct 64", "direct 256"],
         cases: &["1x1/64x1"],
         why: "half of one pixel of 52 is more than the bound for whole frames",
     },

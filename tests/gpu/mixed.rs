@@ -73,7 +73,7 @@ fn every_node() -> Scene {
         (SilhouetteMap::default().into(), lamp, vec![leaf]),
         (TransparentShadow::default().into(), lamp, vec![ball]),
         (
-            ShadowNode::from(SoftShadow { samples: 64, ..SoftShadow::default() }).with_receivers([floor]),
+            ShadowNode::from(SoftShadow { samples: 64, ..SoftShadow::DIRECT }).with_receivers([floor]),
             spot,
             vec![block],
         ),

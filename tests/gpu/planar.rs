@@ -36,7 +36,7 @@ fn without_a_size_shadows_are_exact_on_planes() {
     let filter = std::env::var("CASE").unwrap_or_default();
     let (mut shadows, mut wrong) = (0, Vec::new());
     for case in all_cases(&[&filter]).filter(|case| !is_soft(case)) {
-        let size = SoftShadow { radius_m: 0.0, angle_deg: 0.0, ..SoftShadow::default() }.to_params();
+        let size = SoftShadow { radius_m: 0.0, angle_deg: 0.0, ..SoftShadow::DIRECT }.to_params();
         let scene = case.scene_with(&SoftShadow::ENTRY, &size).unwrap();
         match evaluate(&mut renderer, &scene, &case.request(), &|_, _| {}) {
             Ok(Evaluation { errors, .. }) => {
@@ -57,7 +57,7 @@ fn without_a_size_shadows_are_exact_on_planes() {
 fn curve(renderer: &mut Renderer, case: &Case, counts: &[u32]) -> Vec<f64> {
     let mut references = KnownReferences::with_samples(1024);
     let error = |count: &u32| {
-        let options = SoftShadow { samples: *count, ..SoftShadow::default() }.to_params();
+        let options = SoftShadow { samples: *count, ..SoftShadow::DIRECT }.to_params();
         let scene = case.scene_with(&SoftShadow::ENTRY, &options).unwrap();
         let judged = evaluate_again(renderer, &scene, &case.request(), &mut references, &|_, _| {}).unwrap();
         judged.errors[0].penumbra_rmse
@@ -233,7 +233,7 @@ fn several_nodes_lights_and_receivers_multiply() {
             scene.add_light(light, DVec3::new(*lamp as f64 * 2.0 - 1.0, 5.0, 2.0), DVec3::ZERO);
         }
         for node in nodes {
-            let soft = ShadowNode::from(SoftShadow { radius_m: 0.3, ..SoftShadow::default() });
+            let soft = ShadowNode::from(SoftShadow { radius_m: 0.3, ..SoftShadow::DIRECT });
             scene.add_shadow("shadows", soft.with_casters([bodies[*node]]).with_receivers([floor, wall]));
         }
         scene
@@ -271,7 +271,7 @@ fn the_horizon_cuts_the_light() {
         shadowgraph_testing::add_box(&mut scene, "crate", shadowgraph_testing::at(2.0, 0.6, 0.0));
         let floor = scene.nodes().next().unwrap().0;
         scene.add_light(Light::point("lamp", 100.0), DVec3::new(-1.0, height_m, 0.0), DVec3::ZERO);
-        let node = SoftShadow { radius_m: 0.3, samples: 256, ..SoftShadow::default() };
+        let node = SoftShadow { radius_m: 0.3, samples: 256, ..SoftShadow::DIRECT };
         scene.add_shadow("shadows", ShadowNode::from(node).with_receivers([floor]));
         let request =
             FrameRequest::new(shadowgraph_testing::camera(DVec3::new(2.0, 4.0, 6.0), DVec3::ZERO), [96, 72]);

@@ -117,7 +117,7 @@ fn direct() {
         "casters not cut at the plane", "planar-below/under": Spoil::Plan(UNCUT);
         "a light without size", "penumbra-width/middle": HARD;
     );
-    each_turns_red(SoftShadow::ENTRY, "default", &slips);
+    each_turns_red(SoftShadow::ENTRY, "direct 16", &slips);
 }
 
 /// Sixteen points are too few to tell how each of them weighs.
@@ -127,7 +127,7 @@ fn direct_with_many_points() {
         "the ball's weights left out", "receiver-inside-light": UNWEIGHED;
         "the ball's weights left out", "planar-no-caster/lamp": UNWEIGHED;
     );
-    each_turns_red(SoftShadow::ENTRY, "256 samples", &slips);
+    each_turns_red(SoftShadow::ENTRY, "direct 256", &slips);
 }
 
 #[test]
@@ -150,5 +150,5 @@ fn texture() {
         "casters not cut at the plane", "planar-below/under": Spoil::Plan(UNCUT);
         "a light without size", "edge-through-centre/lamp": HARD;
     );
-    each_turns_red(SoftShadow::ENTRY, "texture", &slips);
+    each_turns_red(SoftShadow::ENTRY, "default", &slips);
 }

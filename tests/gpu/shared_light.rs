@@ -65,7 +65,7 @@ fn glass_multiplies_what_other_nodes_leave() {
         ("ShadowVolumeSoft", &[("radius", "0.2")], 0.0),
         ("ShadowVolumeSoft", &[("radius", "0.2"), ("samples", "256")], 0.0),
         ("ShadowVolumeSoft", &[("radius", "0.2"), ("quality", "perReceiver")], 0.004),
-        ("SoftShadow", &[("radius", "0.2"), ("samples", "256")], 0.02),
+        ("SoftShadow", &[("radius", "0.2"), ("samples", "256"), ("mode", "direct")], 0.02),
     ] {
         let scene = shared(technique, options);
         let found = evaluate(&mut renderer, &scene, &request(), &|_, _| {}).unwrap();

@@ -259,9 +259,9 @@ pub(crate) const ROWS: &[Row] = &[
     sampled("default"),
     sampled("samples 16"),
     sampled("samples 256"),
-    planar("default", points(0.07, 0.0005), &[NOT_MULTISAMPLED, CASTERS_WITHIN]),
+    planar("direct 16", points(0.07, 0.0005), &[NOT_MULTISAMPLED, CASTERS_WITHIN]),
     planar(
-        "64 samples",
+        "direct 64",
         points(0.024, 0.0005),
         &[
             NOT_MULTISAMPLED,
@@ -276,7 +276,7 @@ pub(crate) const ROWS: &[Row] = &[
         ],
     ),
     planar(
-        "256 samples",
+        "direct 256",
         points(0.012, 0.0005),
         &[
             NOT_MULTISAMPLED,
@@ -287,7 +287,7 @@ pub(crate) const ROWS: &[Row] = &[
         ],
     ),
     planar(
-        "texture",
+        "default",
         points(0.07, 0.002),
         &[
             NOT_MULTISAMPLED,
@@ -298,8 +298,6 @@ pub(crate) const ROWS: &[Row] = &[
                 ("scale", texels()),
                 ("light-far", texels()),
                 ("texels/128", texels()),
-                ("light-radius/0.001-m", texels()),
-                ("light-radius/0.01-m", texels()),
                 ("grazing-sun", texels()),
                 ("grazing-lamp", texels()),
             ],

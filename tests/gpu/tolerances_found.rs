@@ -12,12 +12,12 @@ pub(crate) fn groups(technique: &str, setting: &str) -> &'static [Group] {
         (HARD, "cap") => &[LIDS],
         (SOFT, "per-receiver") => &[AREAS, LAYERED, BEFORE_ONE_CASTER],
         (SOFT, "wedge") => &[WEDGES, LAYERED, BEFORE_ONE_CASTER],
-        (PLANAR, "default") => &[CASTERS_WITHIN, NARROW],
-        (PLANAR, "64 samples") => {
+        (PLANAR, "direct 16") => &[CASTERS_WITHIN, NARROW],
+        (PLANAR, "direct 64") => {
             &[CASTERS_WITHIN, CASTERS_TOUCHING, NARROW, NARROW_IN_MANY_POINTS, FEW_POINTS]
         }
-        (PLANAR, "256 samples") => &[CASTERS_WITHIN, CASTERS_TOUCHING, NARROW, NARROW_IN_MANY_POINTS],
-        (PLANAR, "texture") => &[CASTERS_WITHIN, CASTERS_TOUCHING, TEXELS],
+        (PLANAR, "direct 256") => &[CASTERS_WITHIN, CASTERS_TOUCHING, NARROW, NARROW_IN_MANY_POINTS],
+        (PLANAR, "default") => &[CASTERS_WITHIN, CASTERS_TOUCHING, TEXELS],
         (TRANSPARENT, "log16" | "product16") => &[HALF_SUMS],
         _ => &[],
     }
@@ -66,6 +66,20 @@ const FEW_POINTS: Group = &[
 
 /// Textures whose texels are wider than penumbrae of a pixel.
 const TEXELS: Group = &[
+    ("back-to-back-panels", texels()),
+    ("coincident-panes/moved-by-node", texels()),
+    ("cracked-2e-6", texels()),
+    ("culled-underside", texels()),
+    ("directional-parallel/box-sides", texels()),
+    ("glass-on-floor", texels()),
+    ("inconsistent-winding/patch", texels()),
+    ("inward-shell/shell-in-shell", texels()),
+    ("lights-4", texels()),
+    ("lights-16", texels()),
+    ("lights-64", texels()),
+    ("resize/17x13", texels()),
+    ("two-sided-leaf/sun-ortho", texels()),
+    ("wide-band/two-floors-grid", texels()),
     ("room-through-culled-walls", texels()),
     ("road-50km", texels()),
     ("stretched-at-grazing", texels()),

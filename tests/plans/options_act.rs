@@ -200,11 +200,7 @@ fn options_without_effect_are_refused_by_name() {
             "'counter' is 'float'",
             "angle of 0",
         ),
-        (
-            SoftShadow { resolution: 512, ..SoftShadow::default() }.into(),
-            "'resolution' is 512",
-            "mode=texture",
-        ),
+        (SoftShadow { resolution: 512, ..SoftShadow::DIRECT }.into(), "'resolution' is 512", "mode=texture"),
     ];
     for (node, option, beside) in nodes {
         let mut scene = yard();

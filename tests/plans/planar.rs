@@ -9,6 +9,9 @@ use shadowgraph_engine::render::{Adapter, FrameError};
 use shadowgraph_nodes::{Flat, NotPlanar};
 use shadowgraph_testing::*;
 
+/// Drawn in the picture from 16 points.
+const IN_PICTURE: SoftShadow = SoftShadow { samples: 16, ..SoftShadow::DIRECT };
+
 /// The node with these receivers.
 fn planar(receivers: impl IntoIterator<Item = NodeKey>, node: SoftShadow) -> ShadowNode {
     ShadowNode::from(node).with_receivers(receivers)
@@ -35,7 +38,7 @@ fn refused(scene: &Scene) -> ShadowError {
 /// Each point of the light has its glass multiplied, four points at a time are added; and none of it where nothing is glass.
 #[test]
 fn glass_takes_a_pass_for_each_point_and_wide_floats_where_there_are_some() {
-    let mut scene = shadowed(SoftShadow { samples: 10, ..SoftShadow::default() });
+    let mut scene = shadowed(SoftShadow { samples: 10, ..IN_PICTURE });
     let tints = |plan: &FramePlan| plan.passes_named("tints on floor from lamp").count();
     assert_eq!(tints(&plan(&scene, &request())), 0);
     let glass = Material { transmission: 0.5, ..Material::default() };
@@ -60,7 +63,7 @@ fn glass_takes_a_pass_for_each_point_and_wide_floats_where_there_are_some() {
 
 #[test]
 fn direct_mode_draws_each_point_once_and_weighs() {
-    let plan = plan(&shadowed(SoftShadow::default()), &request());
+    let plan = plan(&shadowed(IN_PICTURE), &request());
     let names: Vec<&str> = plan.passes.iter().map(|pass| pass.name.as_str()).collect();
     assert_eq!(
         names,
@@ -85,7 +88,7 @@ fn direct_mode_draws_each_point_once_and_weighs() {
 
 #[test]
 fn a_light_without_size_is_one_point() {
-    let hard = SoftShadow { radius_m: 0.0, ..SoftShadow::default() };
+    let hard = SoftShadow { radius_m: 0.0, ..IN_PICTURE };
     let plan = plan(&shadowed(hard), &request());
     let marks = plan.passes_named("shadows on").next().unwrap();
     assert_eq!(marks.draws.len(), 2);
@@ -104,7 +107,7 @@ fn many_points_take_layers_and_many_receivers_share_targets() {
         Material::default(),
         DAffine3::from_rotation_translation(DQuat::from_rotation_x(1.2), DVec3::new(0.0, 1.0, -6.0)),
     );
-    let node = SoftShadow { samples: 80, ..SoftShadow::default() };
+    let node = SoftShadow { samples: 80, ..IN_PICTURE };
     scene.add_shadow("shadows", planar([floor, wall], node));
     let plan = plan(&scene, &request());
     assert_eq!(plan.passes_named("shadows on").count(), 6, "{plan}");
@@ -116,7 +119,7 @@ fn many_points_take_layers_and_many_receivers_share_targets() {
 
 #[test]
 fn what_cannot_shadow_the_receiver_is_left_out_and_said() {
-    let mut scene = shadowed(SoftShadow::default());
+    let mut scene = shadowed(IN_PICTURE);
     add_box(&mut scene, "cellar", at(0.0, -3.0, 0.0));
     add_box(&mut scene, "attic", at(0.0, 9.0, 0.0));
     let plan = plan(&scene, &request());
@@ -127,32 +130,51 @@ fn what_cannot_shadow_the_receiver_is_left_out_and_said() {
     add_lamp(&mut scene, "lamp");
     add_box(&mut scene, "cellar", at(0.0, -3.0, 0.0));
     let floor = find(&scene, "floor");
-    scene.add_shadow("shadows", planar([floor], SoftShadow::default()));
+    scene.add_shadow("shadows", planar([floor], IN_PICTURE));
     let plan = shadowgraph_testing::plan(&scene, &request());
     assert_eq!(plan.passes.len(), 1, "{plan}");
 }
 
 #[test]
 fn texture_mode_keeps_what_it_draws() {
-    let textured = SoftShadow { mode: PlanarMode::Texture, resolution: 256, ..SoftShadow::default() };
+    let textured = SoftShadow { mode: PlanarMode::Texture, resolution: 256, ..IN_PICTURE };
     let plan = plan(&shadowed(textured), &request());
     let text = plan.to_string();
     assert_eq!(text.matches("kept: runs only when").count(), 3, "{plan}");
     let texture = plan.slots.iter().find(|slot| slot.name == "shadow texture").unwrap();
     assert!(texture.kept.is_some());
-    // The longer side is what was asked for, and no texel lies where no shadow can.
-    let SlotKind::Texture { size_px: [width, height], .. } = texture.kind else { panic!("{plan}") };
-    assert_eq!(width.max(height), 256);
     // What is left of every frame: the receiver's two triangles.
     let share = plan.passes_named("share of").next().unwrap();
     assert_eq!(share.draws.iter().map(|draw| draw.vertices()).sum::<u64>(), 6);
+}
+
+/// In halves of what is asked for: pictures of other sizes and eyes near and far.
+#[test]
+fn a_texture_is_as_fine_as_the_view_shows_it() {
+    let scene = shadowed(SoftShadow { resolution: 2048, ..SoftShadow::default() });
+    let longer_side = |eye: DVec3, size_px: [u32; 2]| {
+        let plan = plan(&scene, &FrameRequest::new(camera(eye, DVec3::ZERO), size_px));
+        let texture = plan.slots.iter().find(|slot| slot.name == "shadow texture").unwrap();
+        let SlotKind::Texture { size_px: [width, height], .. } = texture.kind else { panic!("{plan}") };
+        width.max(height)
+    };
+    let eye = DVec3::new(6.0, 5.0, 8.0);
+    let near = longer_side(eye, [640, 480]);
+    assert!((64..=512).contains(&near) && near.is_power_of_two(), "{near}");
+    assert_eq!(longer_side(eye, [1280, 960]), 2 * near);
+    assert_eq!(longer_side(eye, [320, 240]), near / 2);
+    // No more than asked for, nor fewer than sixteen.
+    assert_eq!(longer_side(eye * 0.01, [1280, 960]), 2048);
+    assert_eq!(longer_side(eye * 1e4, [640, 480]), 16);
+    // A step to the side changes nothing, so nothing is drawn anew.
+    assert_eq!(longer_side(eye + DVec3::X * 0.01, [640, 480]), near);
 }
 
 #[test]
 fn receivers_that_are_no_planes_are_refused_by_name() {
     let mut scene = yard();
     let (floor, body) = (find(&scene, "floor"), find(&scene, "crate"));
-    scene.add_shadow("shadows", planar([floor, body], SoftShadow::default()));
+    scene.add_shadow("shadows", planar([floor, body], IN_PICTURE));
     let error = refused(&scene);
     assert!(
         matches!(&error, ShadowError::ReceiverRefused { receiver, .. } if receiver == "crate"),
@@ -181,7 +203,7 @@ fn receivers_that_are_no_planes_are_refused_by_name() {
 #[test]
 fn four_samples_a_pixel_are_refused() {
     let request = FrameRequest { antialias: Antialias::Multisample4, ..request() };
-    let error = try_plan(&shadowed(SoftShadow::default()), &request).unwrap_err();
+    let error = try_plan(&shadowed(IN_PICTURE), &request).unwrap_err();
     assert!(matches!(error, FrameError::Shadow(ShadowError::NotPerSample { .. })), "{error}");
 }
 
@@ -196,7 +218,7 @@ fn options_say_what_is_accepted() {
         assert!(read("samples", number(value)).unwrap_err().contains("from 1 to 1024"), "{value}");
     }
     assert!(read("radius", number(-1.0)).unwrap_err().contains("from 0"));
-    assert!(read("mode", ParamValue::Text("baked".into())).unwrap_err().ends_with("direct, texture"));
+    assert!(read("mode", ParamValue::Text("baked".into())).unwrap_err().ends_with("texture, direct"));
     assert!(read("resolution", number(10_000.0)).unwrap_err().contains("8192"));
     assert!(read("weight", number(1.5)).unwrap_err().contains("from 0 to 1"));
     assert_eq!(read("color", ParamValue::Numbers(vec![0.1, 0.2, 1.0])).unwrap().color, [0.1, 0.2, 1.0]);

@@ -103,7 +103,7 @@ impl PaneBefore<'_> {
             let direction = light.truncate() - point * light.w;
             let crossing =
                 self.triangle.plane_parameter(point, direction).map_or(point, |t| point + direction * t);
-            self.color.passing(&self.triangle.corners, crossing)
+            self.color.passing(crossing)
         };
         let exact = tint(0);
         let moved = (1..MOVES).map(tint);

@@ -13,7 +13,7 @@
 //! **Ambiguity.** Textures that blend make every factor change with every move. What half floats cannot tell apart is no
 //! change: [`SAME_FACTOR`].
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use glam::{DVec2, DVec3, DVec4, Vec3};
 use shadowgraph_engine::math::Aabb;
@@ -21,7 +21,7 @@ use shadowgraph_engine::scene::{Image, Material, SceneSnapshot, TextureRef};
 
 use super::bvh::Bvh;
 use super::channels::HALF_FLOAT_LOSS;
-use super::holes::{corner_uvs, texture_value, weights};
+use super::holes::{CornerWeights, corner_uvs, texture_value};
 use super::moved::{MOVES, Moved};
 use super::query::Query;
 use super::surface::Triangle;
@@ -49,6 +49,7 @@ pub(super) struct PaneColor {
     corner_colors: [DVec4; 3],
     texture: Option<(Arc<Image>, TextureRef)>,
     corner_uvs: [DVec2; 3],
+    weights: CornerWeights,
     /// What passes it, where that is the same everywhere.
     pub(super) even: Option<DVec3>,
 }
@@ -68,18 +69,19 @@ impl PaneColor {
             even: is_even.then(|| material.transmission_at(material.base_color.as_dvec4() * a)),
             texture: worn.and_then(|worn| Some((Arc::clone(snapshot.images.get(&worn.image)?), worn))),
             corner_uvs: corner_uvs(instance, worn, index),
+            weights: CornerWeights::of(triangle.corners),
             material,
         }
     }
 
-    /// What passes the triangle with these corners at `point`.
-    pub(super) fn passing(&self, corners: &[DVec3; 3], point: DVec3) -> DVec3 {
-        self.material.transmission_at(self.at(corners, point))
+    /// What passes the triangle at `point`.
+    pub(super) fn passing(&self, point: DVec3) -> DVec3 {
+        self.material.transmission_at(self.at(point))
     }
 
-    /// The linear base colour at `point` of the triangle with these corners.
-    fn at(&self, corners: &[DVec3; 3], point: DVec3) -> DVec4 {
-        let weights = weights(corners, point).to_array();
+    /// The linear base colour at `point` of the triangle.
+    fn at(&self, point: DVec3) -> DVec4 {
+        let weights = self.weights.at(point);
         let mut color = self.material.base_color.as_dvec4();
         color *= (0..3).map(|i| self.corner_colors[i] * weights[i]).sum::<DVec4>();
         if let Some((image, texture)) = &self.texture {
@@ -92,9 +94,12 @@ impl PaneColor {
 
 /// A texel of a base colour: sRGB decoded, alpha as it is.
 fn decoded(texel: [u8; 4]) -> DVec4 {
-    let [r, g, b, a] = texel.map(|byte| f64::from(byte) / 255.0);
-    let linear = |v: f64| if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) };
-    DVec4::new(linear(r), linear(g), linear(b), a)
+    static LINEAR: LazyLock<[f64; 256]> = LazyLock::new(|| {
+        let linear = |v: f64| if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) };
+        std::array::from_fn(|byte| linear(byte as f64 / 255.0))
+    });
+    let [r, g, b] = [texel[0], texel[1], texel[2]].map(|byte| LINEAR[usize::from(byte)]);
+    DVec4::new(r, g, b, f64::from(texel[3]) / 255.0)
 }
 
 impl Panes {
@@ -136,7 +141,7 @@ impl Panes {
             if between && !ignored {
                 let crossing =
                     triangle.plane_parameter(*point, to_light).map_or(*point, |t| *point + to_light * t);
-                tints[index] *= color.passing(&triangle.corners, crossing);
+                tints[index] *= color.passing(crossing);
             }
         }
     }
@@ -175,7 +180,7 @@ impl<'a> Tracer<'a> {
                 let Some(t) = t.filter(|_| is_crossed_once(&triangle.corners, from, direction)) else {
                     continue;
                 };
-                let base_color = color.at(&triangle.corners, from + direction * t);
+                let base_color = color.at(from + direction * t);
                 if color.material.coverage(base_color.w) > 0.0 {
                     layers.push((triangle, t));
                 }

@@ -22,6 +22,7 @@ pub(crate) struct Mask {
     texture: Option<(Arc<Image>, TextureRef)>,
     /// Transformed texture coordinates at the corners.
     corner_uvs: [DVec2; 3],
+    weights: CornerWeights,
     /// Where the texture is all alike.
     cover: Option<Arc<Cover>>,
 }
@@ -41,6 +42,7 @@ impl Mask {
             corner_alphas: vertices.map(|vertex| f64::from(instance.mesh.color8(vertex)[3]) / 255.0),
             texture: image,
             corner_uvs: corner_uvs(instance, worn, triangle),
+            weights: CornerWeights::of(instance.world_triangle(triangle)),
             cover: None,
         }))
     }
@@ -57,29 +59,29 @@ impl Mask {
         self.cover = Some(cover);
     }
 
-    /// Whether all within the hull of `points` of the triangle with these corners is hole (true) or solid; `None` where
-    /// that is not sure.
-    pub(crate) fn is_hole_within(&self, corners: &[DVec3; 3], points: &[DVec3]) -> Option<bool> {
+    /// Whether all within the hull of `points` of the triangle is hole (true) or solid; `None` where that is not sure.
+    pub(crate) fn is_hole_within(&self, points: &[DVec3]) -> Option<bool> {
         let ((_, texture), cover) = (self.texture.as_ref()?, self.cover.as_ref()?);
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for point in points {
-            let weights = weights(corners, *point).to_array();
-            let uv: DVec2 = (0..3).map(|i| self.corner_uvs[i] * weights[i]).sum();
+            let uv = self.uv_of(self.weights.at(*point));
             (low, high) = (low.min(uv), high.max(uv));
         }
         cover.over(texture, low, high)
     }
 
-    /// Whether there is a hole at `point` of the triangle with these corners.
-    pub(crate) fn has_hole_at(&self, corners: &[DVec3; 3], point: DVec3) -> bool {
-        let weights = weights(corners, point);
-        let sum = |values: [f64; 3]| values[0] * weights.x + values[1] * weights.y + values[2] * weights.z;
-        let mut alpha = self.alpha * sum(self.corner_alphas);
+    /// Whether there is a hole at `point` of the triangle.
+    pub(crate) fn has_hole_at(&self, point: DVec3) -> bool {
+        let weights = self.weights.at(point);
+        let mut alpha = self.alpha * (0..3).map(|i| self.corner_alphas[i] * weights[i]).sum::<f64>();
         if let Some((image, texture)) = &self.texture {
-            let uv = DVec2::new(sum(self.corner_uvs.map(|uv| uv.x)), sum(self.corner_uvs.map(|uv| uv.y)));
-            alpha *= texture_alpha(image, texture, uv);
+            alpha *= texture_alpha(image, texture, self.uv_of(weights));
         }
         (alpha as f32) < self.cutoff
+    }
+
+    fn uv_of(&self, weights: [f64; 3]) -> DVec2 {
+        (0..3).map(|i| self.corner_uvs[i] * weights[i]).sum()
     }
 }
 
@@ -99,12 +101,26 @@ pub(crate) fn corner_uvs(instance: &Instance, texture: Option<TextureRef>, trian
     })
 }
 
-/// How much each corner weighs at `point` of the triangle's plane.
-pub(crate) fn weights(corners: &[DVec3; 3], point: DVec3) -> DVec3 {
-    let [a, b, c] = corners.map(|corner| corner - point);
-    let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-    let areas = DVec3::new(normal.dot(b.cross(c)), normal.dot(c.cross(a)), normal.dot(a.cross(b)));
-    areas / normal.length_squared()
+/// How much each corner of a triangle weighs at points of its plane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CornerWeights {
+    first: DVec3,
+    /// How the second and the third corner's weights grow along the triangle.
+    gradients: [DVec3; 2],
+}
+
+impl CornerWeights {
+    pub(crate) fn of([a, b, c]: [DVec3; 3]) -> Self {
+        let (ab, ac) = (b - a, c - a);
+        let normal = ab.cross(ac);
+        let gradients = [ac.cross(normal), normal.cross(ab)].map(|across| across / normal.length_squared());
+        Self { first: a, gradients }
+    }
+
+    pub(crate) fn at(&self, point: DVec3) -> [f64; 3] {
+        let [b, c] = self.gradients.map(|gradient| gradient.dot(point - self.first));
+        [1.0 - b - c, b, c]
+    }
 }
 
 /// The alpha of `image` at `uv`.
@@ -124,24 +140,39 @@ where
 {
     let size = [image.width, image.height].map(i64::from);
     let texel = |x: i64, y: i64| {
-        let (x, y) = (wrapped(x, size[0], texture.wrap[0]), wrapped(y, size[1], texture.wrap[1]));
         let first = ((y * size[0] + x) * 4) as usize;
         let bytes = image.rgba8.get(first..first + 4).and_then(|bytes| bytes.try_into().ok());
         value(bytes.unwrap_or([255; 4]))
     };
     let place = uv * DVec2::new(size[0] as f64, size[1] as f64);
+    let column = |x: i64| wrapped(x, size[0], texture.wrap[0]);
+    let row = |y: i64| wrapped(y, size[1], texture.wrap[1]);
     if !texture.smooth {
-        return texel(place.x.floor() as i64, place.y.floor() as i64);
+        return texel(column(floor(place.x)), row(floor(place.y)));
     }
-    let corner = (place - 0.5).floor();
-    let weight = place - 0.5 - corner;
-    let (x, y) = (corner.x as i64, corner.y as i64);
-    let row = |y: i64| texel(x, y) + (texel(x + 1, y) - texel(x, y)) * weight.x;
-    row(y) + (row(y + 1) - row(y)) * weight.y
+    let (x, y) = (floor(place.x - 0.5), floor(place.y - 0.5));
+    let weight = place - 0.5 - DVec2::new(x as f64, y as f64);
+    let columns = [column(x), column(x.saturating_add(1))];
+    let blended = |y: i64| {
+        let [left, right] = columns.map(|x| texel(x, y));
+        left + (right - left) * weight.x
+    };
+    let [top, bottom] = [blended(row(y)), blended(row(y.saturating_add(1)))];
+    top + (bottom - top) * weight.y
+}
+
+/// The largest whole number that is not more. (`f64::floor` is a call where processors are not told to have it.)
+fn floor(value: f64) -> i64 {
+    let truncated = value as i64;
+    truncated - i64::from(value < truncated as f64)
 }
 
 /// The texel that stands for number `index` of `size`.
 fn wrapped(index: i64, size: i64, wrap: Wrap) -> i64 {
+    // Most are; and a remainder is slow.
+    if (0..size).contains(&index) {
+        return index;
+    }
     match wrap {
         Wrap::Repeat => index.rem_euclid(size),
         Wrap::Clamp => index.clamp(0, size - 1),
@@ -190,7 +221,7 @@ mod tests {
         for expected in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(0.5, 0.2, 0.3)] {
             let [a, b, c] = corners;
             let point = a * expected.x + b * expected.y + c * expected.z;
-            assert!((weights(&corners, point) - expected).length() < 1e-12);
+            assert!((DVec3::from(CornerWeights::of(corners).at(point)) - expected).length() < 1e-12);
         }
     }
 }

@@ -73,7 +73,7 @@ impl Triangle {
 
     /// Whether it has a hole at `point`.
     fn has_hole_at(&self, point: DVec3) -> bool {
-        self.mask.as_ref().is_some_and(|mask| mask.has_hole_at(&self.corners, point))
+        self.mask.as_ref().is_some_and(|mask| mask.has_hole_at(point))
     }
 
     /// Whether the line through `from` along `direction` passes through it, its edges included.
@@ -194,7 +194,7 @@ impl Triangle {
 
     /// Whether all of it within the hull of `points`, which lie on it, is hole (true) or solid; `None` where it may be both.
     pub(crate) fn is_hole_within(&self, points: &[DVec3]) -> Option<bool> {
-        self.mask.as_ref().map_or(Some(false), |mask| mask.is_hole_within(&self.corners, points))
+        self.mask.as_ref().map_or(Some(false), |mask| mask.is_hole_within(points))
     }
 
     /// Whether there is a hole where the way from `point` to `light` crosses it, which it does.

@@ -4,13 +4,14 @@ use glam::DVec3;
 use shadowgraph_engine::math::Plane;
 
 /// The faces of a box with these corners.
-pub(super) fn faces_of(corners: &[DVec3; 8]) -> Vec<Vec<DVec3>> {
+pub fn faces_of(corners: &[DVec3; 8]) -> Vec<Vec<DVec3>> {
     let faces = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
     faces.map(|face| face.map(|corner| corners[corner]).to_vec()).to_vec()
 }
 
-/// The faces of a convex body on the positive side of a plane, with the one that the cut makes.
-pub(super) fn cut(faces: &[Vec<DVec3>], plane: &Plane) -> Vec<Vec<DVec3>> {
+/// The faces of a convex body on the positive side of a plane, with the one that the cut makes; of a single face, what is left
+/// of it.
+pub fn cut(faces: &[Vec<DVec3>], plane: &Plane) -> Vec<Vec<DVec3>> {
     let mut kept = Vec::new();
     let mut lid: Vec<DVec3> = Vec::new();
     for face in faces {

@@ -1,7 +1,7 @@
 //! What several techniques share: which casters matter, how volumes end, their vertices and draws, and how many layers they count.
 
 pub mod beside_light;
-mod boxes;
+pub mod boxes;
 pub mod culling;
 pub mod cut_casters;
 pub mod extrusion;

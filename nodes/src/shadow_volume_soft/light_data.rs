@@ -329,7 +329,9 @@ impl ShadowVolumeSoft {
                     packed(light, out, &format!("soft centers of {name}"), (slot, centers.len()), None)?;
                 bindings.push((5, Binding::Texture(packed)));
             }
-            data.clusters = chains.near_clusters > 0 || self.may_be_close(light);
+            // Where all casters are masked, there are none.
+            let may_be_near = chains.near_clusters > 0 || self.may_be_close(light);
+            data.clusters = chains.cluster_count > 0 && may_be_near;
             if data.clusters {
                 let reason = "triangles that receivers ask at the light";
                 bindings.push((

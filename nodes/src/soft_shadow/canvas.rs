@@ -6,13 +6,14 @@
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
-use glam::{DAffine3, DMat3, DMat4, DVec2, DVec3, DVec4};
+use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4};
 use shadowgraph_engine::math::Plane;
 use shadowgraph_engine::plan::{BufferDesc, Lifetime, Resource, TextureDesc, TextureFormat};
 use shadowgraph_engine::shadow::{LightContext, PassList, hash_of};
 
 use super::casters::{Casters, clip_from_caster};
 use super::receivers::Receiver;
+use super::shadowed_area::ShadowedArea;
 use super::{Lit, POINTS_OF_A_LAYER};
 
 /// The head of `struct PlanarLight` of soft_shadow.wgsl, which its points follow.
@@ -106,8 +107,8 @@ impl Canvas {
         }
     }
 
-    /// A texture over where shadows may fall on `receiver`, its longer side of `resolution` texels; `None` where none
-    /// fall.
+    /// A texture over where shadows may fall on `receiver`, as fine as the view shows it, and of at most `resolution` texels along its
+    /// longer side; `None` where none fall.
     pub(super) fn texture(
         light: &LightContext<'_>,
         receiver: &Receiver,
@@ -121,42 +122,13 @@ impl Canvas {
         let plane_bits = normal.extend(offset).to_array().map(f64::to_bits);
         let poses: Vec<u64> =
             receiver.instances.iter().map(|index| light.snapshot.instances[*index].pose_key).collect();
-        let key = hash_of(("planar texture", plane_bits, points, poses, casters.key, resolution));
-        let snapshot = light.snapshot;
-        let canvas = light.cache.get_or_compute("planar texture", key, || {
-            let (u, v) = receiver.axes(snapshot);
-            let world_from_axes = DMat3::from_cols(u, v, normal);
-            let axes_from_world = world_from_axes.transpose();
-            let (mut low, mut high) = receiver.extent(snapshot, u, v);
-            // Beyond what shadows reach, all is lit: unless part of the light is under the plane.
-            if !lit.is_cut() {
-                let (shadow_low, shadow_high) = shadow_extent(receiver, lit, casters, u, v);
-                // Texels at the border are lit, and go on beyond it.
-                let margin = 2.0 * (high - low).max_element() / f64::from(resolution);
-                low = low.max(shadow_low - margin);
-                high = high.min(shadow_high + margin);
-            }
-            let half = (high - low) * 0.5;
-            if half.cmple(DVec2::ZERO).any() || !half.is_finite() {
-                return None;
-            }
-            let middle = (low + high) * 0.5;
-            let longest = half.max_element();
-            let texels = |half: f64| ((half / longest * f64::from(resolution)).ceil() as u32).max(1);
-            let origin = u * middle.x + v * middle.y + normal * offset;
-            let view_from_world =
-                DAffine3 { matrix3: axes_from_world, translation: -(axes_from_world * origin) };
-            // w is that of the flattened point, and z half of it.
-            let clip_from_view = DMat4::from_cols(
-                DVec4::new(1.0 / half.x, 0.0, 0.0, 0.0),
-                DVec4::new(0.0, 1.0 / half.y, 0.0, 0.0),
-                DVec4::ZERO,
-                DVec4::new(0.0, 0.0, 0.5, 1.0),
-            );
-            let size_px = [texels(half.x), texels(half.y)];
-            Some(Self { size_px, view_from_world, clip_from_view, half_m: Some(half), key: Some(key) })
-        });
-        (*canvas).clone()
+        let key = hash_of(("planar texture", plane_bits, points, poses, casters.key));
+        let compute = || ShadowedArea::new(light.snapshot, (receiver, lit, casters));
+        let area = light.cache.get_or_compute("shadowed area", key, compute);
+        let area = (*area).as_ref()?;
+        let resolution = area.texels_shown(light.view, resolution);
+        let key = hash_of((key, resolution));
+        Some(area.canvas(resolution, key))
     }
 
     /// The targets for `count` points.
@@ -269,31 +241,4 @@ impl Canvas {
         let reason = "where the texture lies, as the eye sees it";
         out.buffer(BufferDesc::storage(&name, key, Arc::new(bytes), reason))
     }
-}
-
-/// The rectangle, in the plane's axes, in which the casters' boxes throw their shadows; without end where one does.
-fn shadow_extent(receiver: &Receiver, lit: &Lit, casters: &Casters, u: DVec3, v: DVec3) -> (DVec2, DVec2) {
-    let plane = &receiver.flat.plane;
-    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    for (point, light_height) in lit.points.positions.iter().zip(&lit.heights) {
-        for bounds in &casters.bounds {
-            let heights = bounds.corners().map(|corner| plane.height(corner));
-            let is_cut = heights.iter().any(|height| *height < 0.0);
-            for (corner, height) in bounds.corners().into_iter().zip(heights) {
-                let w = light_height - height * point.w;
-                if w <= 1e-9 * light_height {
-                    return (DVec2::NEG_INFINITY, DVec2::INFINITY);
-                }
-                let on =
-                    |axis: DVec3| (axis.dot(corner) * light_height - axis.dot(point.truncate()) * height) / w;
-                // The cut through a box lies between its corners, right under or over it.
-                let under = is_cut.then(|| DVec2::new(u.dot(corner), v.dot(corner)));
-                let shadow = (height >= 0.0).then(|| DVec2::new(on(u), on(v)));
-                for place in under.into_iter().chain(shadow) {
-                    (low, high) = (low.min(place), high.max(place));
-                }
-            }
-        }
-    }
-    (low, high)
 }

@@ -10,11 +10,11 @@ use shadowgraph_engine::shadow::{
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum PlanarMode {
-    /// In the picture, at its resolution.
-    #[default]
-    Direct,
     /// In a texture on the receiver, which is kept until light, caster or receiver move.
+    #[default]
     Texture,
+    /// In the picture, at its resolution.
+    Direct,
 }
 
 /// The most points that may stand for a light.
@@ -37,9 +37,10 @@ pub struct SoftShadow {
     #[serde(rename = "angle")]
     #[schemars(range(min = 0.0, max = MAX_ANGLE_DEG))]
     pub angle_deg: f64,
-    /// Where shadows are drawn: in the picture, or in a texture on the receiver that is kept until something moves.
+    /// Where shadows are drawn: in a texture on the receiver that is kept until something moves, or in the picture.
     pub mode: PlanarMode,
-    /// The longer side of a receiver's texture in texels, with `mode` `texture` only.
+    /// The longer side of a receiver's texture in texels, at most: it has about four for each pixel that the view has there. With
+    /// `mode` `texture` only.
     #[schemars(range(min = 1, max = MAX_RESOLUTION))]
     pub resolution: u32,
     /// How dark shadows are in pictures.
@@ -52,38 +53,45 @@ pub struct SoftShadow {
 
 impl Default for SoftShadow {
     fn default() -> Self {
-        Self {
-            samples: 16,
-            radius_m: 0.1,
-            angle_deg: 0.27,
-            mode: PlanarMode::default(),
-            resolution: 1024,
-            weight: 1.0,
-            color: [0.0; 3],
-        }
+        Self::DEFAULT
     }
 }
 
 /// What reports and tests try beside the default.
 const SETTINGS: &[Setting] = &[
     Setting {
-        name: "64 samples",
+        name: "direct 16",
+        why: "in the picture: crisp from nearby, and drawn in every frame; steps of a sixteenth",
+        params: || SoftShadow::DIRECT.to_params(),
+    },
+    Setting {
+        name: "direct 64",
         why: "four times the points, and about a third of the error",
-        params: || SoftShadow { samples: 64, ..SoftShadow::default() }.to_params(),
+        params: || SoftShadow { samples: 64, ..SoftShadow::DIRECT }.to_params(),
     },
     Setting {
-        name: "256 samples",
+        name: "direct 256",
         why: "what a still picture can afford",
-        params: || SoftShadow { samples: 256, ..SoftShadow::default() }.to_params(),
-    },
-    Setting {
-        name: "texture",
-        why: "drawn once, on a texture that each receiver wears until something moves",
-        params: || SoftShadow { mode: PlanarMode::Texture, ..SoftShadow::default() }.to_params(),
+        params: || SoftShadow { samples: 256, ..SoftShadow::DIRECT }.to_params(),
     },
 ];
 
 impl SoftShadow {
+    /// The default, but drawn in the picture.
+    pub const DIRECT: Self = Self { mode: PlanarMode::Direct, ..Self::DEFAULT };
+
+    /// While nothing moves, a texture costs a fraction of shadows that are drawn in the picture, whatever its samples. Made anew in
+    /// every frame it costs more than they do, and by its samples: so there are few.
+    const DEFAULT: Self = Self {
+        samples: 16,
+        radius_m: 0.1,
+        angle_deg: 0.27,
+        mode: PlanarMode::Texture,
+        resolution: 1024,
+        weight: 1.0,
+        color: [0.0; 3],
+    };
+
     /// Its entry in a catalog.
     pub const ENTRY: TechniqueEntry = TechniqueEntry::of::<Self>(
         "planar",
