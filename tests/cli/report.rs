@@ -36,6 +36,7 @@ const TINY: Effort = Effort {
         sizes_px: &[[16, 16], [32, 32]],
     },
     sweep_stride: 1_000,
+    sweep_shrink: 8,
     ..Effort::QUICK
 };
 

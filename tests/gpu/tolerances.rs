@@ -219,6 +219,17 @@ pub(crate) const THINNED_TO_ONE_IN: usize = 6;
 pub(crate) const LARGE_CASES: &[&str] =
     &["instanced-1000", "overlap-4096", "lights-64", "index-65536", "overlap-closed", "overlap-open"];
 
+/// Stacks as deep as these are about counting. What counts nothing is tried on the table's `overlap-4096` instead of on them.
+pub(crate) const DEEP_STACKS: &[&str] = &[
+    "overlap-closed/2048",
+    "overlap-closed/2560",
+    "overlap-closed/5000",
+    "overlap-open/2048",
+    "overlap-open/2560",
+    "overlap-open/5000",
+];
+pub(crate) const COUNT_NOTHING: &[&str] = &[PLANAR, MAP, SILHOUETTE];
+
 /// The built-in techniques.
 pub(crate) const ROWS: &[Row] = &[
     exact(HARD, "default"),
@@ -292,8 +303,14 @@ pub(crate) const ROWS: &[Row] = &[
         &[
             NOT_MULTISAMPLED,
             CASTERS_WITHIN,
-            CASTERS_TOUCHING,
             &[
+                ("fins/5-sun", texels()),
+                ("alpha-mask", texels()),
+                ("low-sun", texels()),
+                ("animated", texels()),
+                ("field-of-view/150-deg", texels()),
+                ("light-radius/0.001-m", texels()),
+                ("light-angle", texels()),
                 ("offset-exact", texels()),
                 ("scale", texels()),
                 ("light-far", texels()),

@@ -17,7 +17,7 @@ pub(crate) fn groups(technique: &str, setting: &str) -> &'static [Group] {
             &[CASTERS_WITHIN, CASTERS_TOUCHING, NARROW, NARROW_IN_MANY_POINTS, FEW_POINTS]
         }
         (PLANAR, "direct 256") => &[CASTERS_WITHIN, CASTERS_TOUCHING, NARROW, NARROW_IN_MANY_POINTS],
-        (PLANAR, "default") => &[CASTERS_WITHIN, CASTERS_TOUCHING, TEXELS],
+        (PLANAR, "default") => &[CASTERS_WITHIN, TEXELS],
         (TRANSPARENT, "log16" | "product16") => &[HALF_SUMS],
         _ => &[],
     }
@@ -72,8 +72,10 @@ const TEXELS: Group = &[
     ("culled-underside", texels()),
     ("directional-parallel/box-sides", texels()),
     ("glass-on-floor", texels()),
+    ("glass-on-box/sun", texels()),
     ("inconsistent-winding/patch", texels()),
     ("inward-shell/shell-in-shell", texels()),
+    ("lamp-in-far-plane/ortho-1e-7-m", texels()),
     ("lights-4", texels()),
     ("lights-16", texels()),
     ("lights-64", texels()),

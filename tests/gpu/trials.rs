@@ -13,7 +13,9 @@ use shadowgraph::measure::{
 };
 use shadowgraph::prelude::*;
 
-use super::tolerances::{LARGE_CASES, ROWS, Row, THINNED, THINNED_TO_ONE_IN, Tolerance};
+use super::tolerances::{
+    COUNT_NOTHING, DEEP_STACKS, LARGE_CASES, ROWS, Row, THINNED, THINNED_TO_ONE_IN, Tolerance,
+};
 
 /// One technique and setting on one case.
 pub(crate) struct Trial {
@@ -61,6 +63,11 @@ pub(crate) fn try_all(renderer: &mut Renderer, case: &Case, rows: &[Row]) -> Vec
     for (place, (entry, setting)) in settings.enumerate() {
         let is_its_turn = (turn + place).is_multiple_of(THINNED_TO_ONE_IN) && !LARGE_CASES.contains(&case.id);
         if is_thinned(entry.type_name, setting.name) && !is_its_turn {
+            continue;
+        }
+        let is_beside_the_point =
+            COUNT_NOTHING.contains(&entry.type_name) && DEEP_STACKS.contains(&&*case.name());
+        if is_beside_the_point && !tries_everything() {
             continue;
         }
         let start = Instant::now();

@@ -40,6 +40,8 @@ pub struct Report {
     pub axes: Vec<AxisReport>,
     /// Error against parameters.
     pub sweeps: Vec<SweepReport>,
+    /// How many times smaller, along each side, the sweeps' frames are than their cases say.
+    pub sweep_shrink: u32,
     /// PNG files by their paths below the report's folder.
     pub pictures: BTreeMap<String, Vec<u8>>,
 }

@@ -27,6 +27,7 @@ pub(super) fn report_json(report: &Report) -> Value {
         "techniques": techniques,
         "scenes": report.scenes.iter().map(scene_json).collect::<Vec<_>>(),
         "scaling": report.axes.iter().map(axis_json).collect::<Vec<_>>(),
+        "sweep_shrink": report.sweep_shrink,
         "sweeps": report.sweeps.iter().map(sweep_json).collect::<Vec<_>>(),
         "failures": report.failures(),
     })

@@ -125,6 +125,7 @@ pub fn run(
         adapter: gpu.name(),
         effort: effort.name,
         size_px: effort.size_px,
+        sweep_shrink: effort.sweep_shrink,
         processors: std::thread::available_parallelism().map_or(1, usize::from),
         techniques: catalog.entries().iter().map(|e| [e.type_name, e.short_name, e.summary]).collect(),
         ..Report::default()
@@ -219,13 +220,20 @@ fn measure_sweep(
     // Traced once for all techniques and settings.
     let [_, whole_light] = bench.effort.whole_light_samples;
     let mut known = vec![KnownReferences::with_samples(whole_light); taken.len()];
+    let request = |case: &Case| {
+        let request = case.request();
+        FrameRequest {
+            size_px: request.size_px.map(|side| side.div_ceil(bench.effort.sweep_shrink)),
+            ..request
+        }
+    };
     let mut techniques = Vec::new();
     for (entry, setting) in bench.settings_for(sweep) {
         let label = label(entry.short_name, setting.name);
         steps.next(&format!("sweep {}: {label}", sweep.id));
         let measure = |((value, case), known): (&&(f64, Case), &mut KnownReferences)| {
             let outcome = match case.scene_with(&entry, &(setting.params)()) {
-                Ok(scene) => measure_case(renderer, &scene, case, known),
+                Ok(scene) => measure_case(renderer, &scene, &request(case), known),
                 Err(error) => Outcome::Failed(error.to_string()),
             };
             SweepStep { value: *value, outcome }
@@ -249,13 +257,12 @@ fn measure_sweep(
 fn measure_case(
     renderer: &mut Renderer,
     scene: &Scene,
-    case: &Case,
+    request: &FrameRequest,
     known: &mut KnownReferences,
 ) -> Outcome<Totals> {
-    let request = case.request();
-    match evaluate_again(renderer, scene, &request, known, &|_, _| {}) {
+    match evaluate_again(renderer, scene, request, known, &|_, _| {}) {
         // Beside the whole light, whatever samples a technique takes.
-        Ok(found) => match evaluate_converged(renderer, scene, &request, &found, known, &|_, _| {}) {
+        Ok(found) => match evaluate_converged(renderer, scene, request, &found, known, &|_, _| {}) {
             Ok(Some(whole)) => {
                 Outcome::Measured(Totals::of(&whole.errors, &found.measured, &whole.reference))
             }

@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use shadowgraph_engine::geometry::GroupMember;
+use shadowgraph_engine::math::Projection;
 use shadowgraph_engine::plan::{
     BlendComponent, BlendFactor, BlendOperation, BlendState, BufferDesc, CompareFunction, DrawState,
     Resource, Shader, ShaderError,
@@ -82,6 +83,8 @@ pub struct Buffers {
     cuts: Option<Resource>,
     /// For each record: where its indices begin, and their runs.
     indices: Vec<(u32, Arc<VolumeIndices>)>,
+    /// How far caps are moved, in last digits of the largest depth of a triangle.
+    cap_bias: i32,
 }
 
 /// Uploads the indices and records of `groups`, of which every member is a caster's number in `volumes`.
@@ -141,7 +144,7 @@ pub fn upload(
         let (key, contents) = (hash_of(("cut vertices", bytes)), Arc::new(bytes.to_vec()));
         out.buffer(BufferDesc::storage(&format!("cut vertices of {name}"), key, contents, &reason))
     });
-    Buffers { index_slot, records, cuts, indices }
+    Buffers { index_slot, records, cuts, indices, cap_bias: cap_bias(&light.view.camera.projection) }
 }
 
 /// Neighbouring indices that count alike.
@@ -185,11 +188,11 @@ impl How {
     }
 
     /// See [`DrawState::depth_bias`].
-    pub fn depth_bias(&self) -> i32 {
+    pub fn depth_bias(&self, cap_bias: i32) -> i32 {
         match self.caps {
             None => 0,
-            Some(Caps::Behind) => -CAP_BIAS,
-            Some(Caps::Ahead) => CAP_BIAS,
+            Some(Caps::Behind) => -cap_bias,
+            Some(Caps::Ahead) => cap_bias,
         }
     }
 }
@@ -197,12 +200,20 @@ impl How {
 /// How far front caps lie behind themselves, or ahead, in last digits of the largest depth of a triangle.
 ///
 /// A triangle that lies in a surface's own plane casts nothing on it. Rasterised from other corners, or in another order, the
-/// same plane has other depths, by some roundings of the largest depth on it: so a cap counts as before what it is before by more
-/// than that. No more than needed: next to the fold between two panes one is really before the other by next to nothing. Where
-/// depth is perspective, the measures move a point by 64 of its own last digits, of which these are up to 48 on a triangle whose
-/// corners are at most twice as far as each other. A bias with a share of the slope would hold for steeper views, but a cap and a
-/// side that meet at an edge would no longer agree there.
-const CAP_BIAS: i32 = 24;
+/// same plane has other depths, by some tens of roundings of the largest depth on it: so a cap counts as before what it is
+/// before by more than that, the measures' own constant. A bias with a share of the slope would hold for steeper views, but a
+/// cap and a side that meet at an edge would no longer agree there.
+const CAP_BIAS: i32 = 64;
+
+/// The same for orthographic depth: a difference of two numbers up to 1 loses no more at one end of a triangle than at the other.
+const ORTHOGRAPHIC_CAP_BIAS: i32 = 24;
+
+fn cap_bias(projection: &Projection) -> i32 {
+    match projection {
+        Projection::Perspective { .. } => CAP_BIAS,
+        Projection::Orthographic { .. } => ORTHOGRAPHIC_CAP_BIAS,
+    }
+}
 
 /// Where caps are drawn, by what depth cannot tell apart: what lies in a cap's own plane is never in its shadow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -306,7 +317,7 @@ pub fn volume_draws(
     let draw = |run: Run| {
         let (shader, mut state) = counting(run.how, flags)?;
         state.depth_clamp = volume.clamp_depth;
-        state.depth_bias = run.how.depth_bias();
+        state.depth_bias = run.how.depth_bias(buffers.cap_bias);
         let geometry = Geometry::Indexed {
             shader,
             instance: volume.caster.index as u32,
