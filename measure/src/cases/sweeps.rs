@@ -63,6 +63,8 @@ pub struct Sweep {
     pub about: About,
     /// The option that is swept, where it is one.
     pub option: Option<Swept>,
+    /// From which value on a step takes a software adapter half a minute and more with some techniques.
+    pub heavy_from: f64,
     stages: fn() -> Vec<(f64, Stage)>,
 }
 
@@ -141,6 +143,7 @@ const BASE: Sweep = Sweep {
     f32_loses: "",
     about: About::Anything,
     option: None,
+    heavy_from: f64::INFINITY,
     stages: Vec::new,
 };
 
@@ -232,6 +235,7 @@ const SWEEPS: &[Sweep] = &[
         parameter: "boxes between light and floor",
         unit: "",
         what_breaks: "counts wrap at multiples of 256 and lose integers above 2048",
+        heavy_from: 1000.0,
         stages: || stages::overlap(counts::boxes),
         ..BASE
     },
@@ -240,6 +244,7 @@ const SWEEPS: &[Sweep] = &[
         parameter: "sheets between light and floor",
         unit: "",
         what_breaks: "counts wrap at multiples of 256 and lose integers above 2048",
+        heavy_from: 1000.0,
         stages: || stages::overlap(counts::quads),
         ..BASE
     },

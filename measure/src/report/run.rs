@@ -212,7 +212,8 @@ fn measure_sweep(
     sweep: &Sweep,
     steps: &mut Steps<'_>,
 ) -> SweepReport {
-    let all = sweep.steps(&Cast::NOBODY);
+    let mut all = sweep.steps(&Cast::NOBODY);
+    all.retain(|(value, _)| bench.effort.heavy_steps || *value < sweep.heavy_from);
     let last = all.len().saturating_sub(1);
     let stride = bench.effort.sweep_stride.max(1);
     let taken: Vec<&(f64, Case)> =
