@@ -68,7 +68,7 @@ const fn pace(min_rounds: usize, max_rounds: usize, budget_ms: u64) -> Pace {
 }
 
 impl Effort {
-    /// Two minutes or little more on two cores and the software driver, with defaults only.
+    /// About three minutes on two cores and the software driver, with defaults only.
     pub const QUICK: Self = Self {
         name: "quick",
         size_px: [320, 180],
