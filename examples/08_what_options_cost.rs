@@ -82,7 +82,7 @@ fn stack(layers: u32) -> Result<Scene, Box<dyn Error>> {
 
 /// The scene with its shadow nodes replaced by the row's.
 fn with_row(scene: &Scene, node: Option<ShadowVolumeHard>) -> Scene {
-    let mut scene = demo::without_shadows(scene);
+    let mut scene = scene.without_shadows();
     if let Some(node) = node {
         scene.add_shadow("shadows", node);
     }

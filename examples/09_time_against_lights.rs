@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Some(path) => gltf::load(path)?.scene,
         None => demo::speed().swap_remove(0).2,
     };
-    let base = demo::without_shadows(&base);
+    let base = base.without_shadows();
     println!("lights,unshadowed_ms,shadowed_ms,shadow_ms_per_light,unshadowed_fps,shadowed_fps");
     for count in LIGHTS {
         let lit = demo::under_lamps(&base, count);

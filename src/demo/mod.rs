@@ -21,7 +21,7 @@ mod variants;
 use shadowgraph_engine::scene::Scene;
 
 pub use speed::speed;
-pub use variants::{under_lamps, without_shadows};
+pub use variants::under_lamps;
 
 /// Every demo scene: file stem, what it shows, the scene.
 pub fn all() -> Vec<(&'static str, &'static str, Scene)> {

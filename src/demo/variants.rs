@@ -1,14 +1,9 @@
-//! A scene with other lights, or without shadows.
+//! A scene with other lights.
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 use shadowgraph_engine::scene::{Content, Light, Scene};
-
-/// The scene without its shadow nodes.
-pub fn without_shadows(scene: &Scene) -> Scene {
-    scene.emptied_of(|content| matches!(content, Content::Shadow(_)))
-}
 
 /// The scene with `count` lamps in a ring above it in place of its lights; they give as much light together, however many.
 pub fn under_lamps(scene: &Scene, count: u32) -> Scene {

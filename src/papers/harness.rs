@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use glam::{DMat4, DVec3};
+use glam::DVec3;
 use image::codecs::png::PngEncoder;
 use image::{ImageEncoder, ImageError, RgbaImage, imageops};
 use shadowgraph_engine::gpu::Gpu;
@@ -259,8 +259,7 @@ pub(super) fn shadowed(scene: &Scene, node: impl Into<ShadowNode>) -> Scene {
 /// The pixel that shows the point, by its number; `None` outside the picture.
 pub(super) fn pixel_of(camera: &CameraSnapshot, size_px: [u32; 2], p_in_world: DVec3) -> Option<usize> {
     let [width, height] = size_px.map(f64::from);
-    let clip_from_view = camera.projection.clip_from_view(width / height);
-    let clip = clip_from_view * DMat4::from(camera.world_from_view.inverse()) * p_in_world.extend(1.0);
+    let clip = camera.clip_from_world(size_px) * p_in_world.extend(1.0);
     let [x, y] = [(clip.x / clip.w + 1.0) * 0.5 * width, (1.0 - clip.y / clip.w) * 0.5 * height];
     let inside = clip.w > 0.0 && (0.0..width).contains(&x) && (0.0..height).contains(&y);
     inside.then_some(y as usize * size_px[0] as usize + x as usize)

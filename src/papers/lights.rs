@@ -14,7 +14,7 @@ const FEW_LIGHTS: [u32; 4] = [1, 2, 4, 8];
 
 pub(super) fn fig_8(bench: &mut Bench<'_>) -> Made<Entry> {
     let counts: &[u32] = if bench.effort.ends_only { &FEW_LIGHTS } else { &LIGHTS };
-    let knot = demo::without_shadows(&demo::speed().swap_remove(0).2);
+    let knot = demo::speed().swap_remove(0).2.without_shadows();
     let lit: Vec<_> = counts.iter().map(|count| demo::under_lamps(&knot, *count)).collect();
     let dark: Vec<_> = lit.iter().map(|scene| shadowed(scene, ShadowVolumeHard::default())).collect();
     bench.tell("frames in turn");

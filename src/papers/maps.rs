@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4};
+use glam::{DAffine3, DVec2, DVec3, DVec4};
 use shadowgraph_engine::geometry::{Chain, facing_signs};
 use shadowgraph_engine::gpu::Timing;
 use shadowgraph_engine::render::{Exposure, FrameRequest, RenderOptions, Renderer};
@@ -46,7 +46,7 @@ const SCENES: [(&str, MakeScene, Option<Printed>); 7] = [
 /// A scene of the report, without its shadow node.
 fn speed(name: &str) -> Scene {
     let found = demo::speed().into_iter().find(|(stem, ..)| *stem == name);
-    found.map_or_else(Scene::new, |(_, _, scene)| demo::without_shadows(&scene))
+    found.map_or_else(Scene::new, |(_, _, scene)| scene.without_shadows())
 }
 
 /// The resolution of their maps, in texels.
@@ -149,8 +149,7 @@ fn volume_fill(scene: &Scene, camera: &CameraSnapshot, size_px: [u32; 2]) -> Mad
     let snapshot = scene.snapshot()?;
     let light = snapshot.lights[0].position;
     let [width, height] = size_px.map(f64::from);
-    let clip_from_view = camera.projection.clip_from_view(width / height);
-    let clip_from_world = clip_from_view * DMat4::from(camera.world_from_view.inverse());
+    let clip_from_world = camera.clip_from_world(size_px);
     let (mut edges, mut fragments) = (0, 0.0);
     for instance in snapshot.instances.iter().filter(|instance| instance.shadow.casts) {
         let topology = instance.mesh.topology();

@@ -143,7 +143,7 @@ fn over_each_other(count: u32, kind: &str) -> Result<Scene, ModelError> {
 
 /// The knot of the report, without shadows.
 pub(super) fn knot() -> Scene {
-    demo::without_shadows(&demo::speed().swap_remove(0).2)
+    demo::speed().swap_remove(0).2.without_shadows()
 }
 
 pub(super) fn fig_6(bench: &mut Bench<'_>) -> Made<Entry> {

@@ -10,10 +10,9 @@ use crate::known::{
 };
 use crate::search::{FIXED_SEEDS, MENDED_SEEDS};
 use crate::slips::cases_named;
-use crate::tolerances::{
-    COUNT_NOTHING, DEEP_STACKS, LARGE_CASES, ROWS, SOFT, THINNED, THINNED_TO_ONE_IN, Tolerance,
-};
+use crate::tolerances::{COUNT_NOTHING, LARGE_CASES, ROWS, SOFT, THINNED, THINNED_TO_ONE_IN, Tolerance};
 use crate::trials::{no_references, try_setting};
+use shadowgraph::cases::sweeps;
 use shadowgraph_testing::docs::{holds, text, with_block};
 
 /// Names as code, one after the other.
@@ -68,12 +67,12 @@ fn thinned() -> String {
     format!(
         "- Settings other than the default of {}: on one case in {THINNED_TO_ONE_IN}, and on none of {}.\n\
          - Ways to one picture, and large lights: on one case in {COMPARED_ONE_CASE_IN}.\n\
-         - Sweeps: at one step in {SWEPT_ONE_STEP_IN}, and at the last; {} on none of {}.\n\
+         - Sweeps: at one step in {SWEPT_ONE_STEP_IN}, and at the last; {} on no heavy step of {}.\n\
          - The technique from outside the library: on one case in {OUTSIDE_ONE_CASE_IN}.\n",
         listed(THINNED.iter().copied()),
         listed(LARGE_CASES.iter().copied()),
         listed(COUNT_NOTHING.iter().copied()),
-        listed(DEEP_STACKS.iter().copied()),
+        listed(sweeps::all().iter().filter(|sweep| sweep.heavy_from.is_finite()).map(|sweep| sweep.id)),
     )
 }
 

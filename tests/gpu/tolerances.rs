@@ -219,15 +219,7 @@ pub(crate) const THINNED_TO_ONE_IN: usize = 6;
 pub(crate) const LARGE_CASES: &[&str] =
     &["instanced-1000", "overlap-4096", "lights-64", "index-65536", "overlap-closed", "overlap-open"];
 
-/// Stacks as deep as these are about counting. What counts nothing is tried on the table's `overlap-4096` instead of on them.
-pub(crate) const DEEP_STACKS: &[&str] = &[
-    "overlap-closed/2048",
-    "overlap-closed/2560",
-    "overlap-closed/5000",
-    "overlap-open/2048",
-    "overlap-open/2560",
-    "overlap-open/5000",
-];
+/// The heavy steps of sweeps are about counting. What counts nothing is tried on the table's `overlap-4096` instead of on them.
 pub(crate) const COUNT_NOTHING: &[&str] = &[PLANAR, MAP, SILHOUETTE];
 
 /// The built-in techniques.

@@ -13,9 +13,7 @@ use shadowgraph::measure::{
 };
 use shadowgraph::prelude::*;
 
-use super::tolerances::{
-    COUNT_NOTHING, DEEP_STACKS, LARGE_CASES, ROWS, Row, THINNED, THINNED_TO_ONE_IN, Tolerance,
-};
+use super::tolerances::{COUNT_NOTHING, LARGE_CASES, ROWS, Row, THINNED, THINNED_TO_ONE_IN, Tolerance};
 
 /// One technique and setting on one case.
 pub(crate) struct Trial {
@@ -65,9 +63,7 @@ pub(crate) fn try_all(renderer: &mut Renderer, case: &Case, rows: &[Row]) -> Vec
         if is_thinned(entry.type_name, setting.name) && !is_its_turn {
             continue;
         }
-        let is_beside_the_point =
-            COUNT_NOTHING.contains(&entry.type_name) && DEEP_STACKS.contains(&&*case.name());
-        if is_beside_the_point && !tries_everything() {
+        if case.is_heavy && COUNT_NOTHING.contains(&entry.type_name) && !tries_everything() {
             continue;
         }
         let start = Instant::now();

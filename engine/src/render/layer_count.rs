@@ -19,9 +19,7 @@ const SNAP_PX: f64 = 1.0 / 64.0;
 pub(super) fn most_layers(snapshot: &SceneSnapshot, view: &View, parts: &[(u32, u32)]) -> u32 {
     let [width, height] = view.size_px.map(|n| n as usize);
     let mut rows = Rows { width, height, differences: vec![0; (width + 1) * height] };
-    let aspect = width as f64 / height as f64;
-    let clip_from_world =
-        view.camera.projection.clip_from_view(aspect) * DMat4::from(view.camera.world_from_view.inverse());
+    let clip_from_world = view.camera.clip_from_world(view.size_px);
     for (instance, part) in parts {
         let instance = &snapshot.instances[*instance as usize];
         rows.add_part(instance, *part as usize, &clip_from_world);

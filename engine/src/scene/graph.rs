@@ -326,6 +326,11 @@ impl Scene {
         scene
     }
 
+    /// The scene without its shadow nodes; what they were in stays.
+    pub fn without_shadows(&self) -> Self {
+        self.emptied_of(|content| matches!(content, Content::Shadow(_)))
+    }
+
     /// The nodes without a parent, in the order they were added.
     pub fn roots(&self) -> &[NodeKey] {
         &self.roots

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, DVec4, Vec3};
+use glam::{DAffine3, DMat4, DVec3, DVec4, Vec3};
 
 use super::{
     Camera, CameraKey, Image, ImageKey, Light, LightKey, LightKind, Material, NodeKey, ShadowFlags,
@@ -177,6 +177,12 @@ impl CameraSnapshot {
     pub fn frustum(&self, size_px: [u32; 2]) -> ViewFrustum {
         let aspect = f64::from(size_px[0]) / f64::from(size_px[1]);
         ViewFrustum::new(&self.world_from_view, &self.projection, aspect)
+    }
+
+    /// From the world to the clip space of a target of this size in pixels.
+    pub fn clip_from_world(&self, size_px: [u32; 2]) -> DMat4 {
+        let aspect = f64::from(size_px[0]) / f64::from(size_px[1]);
+        self.projection.clip_from_view(aspect) * DMat4::from(self.world_from_view.inverse())
     }
 }
 

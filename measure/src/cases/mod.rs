@@ -121,6 +121,8 @@ pub struct Case {
     pub expect: Expect,
     /// What is right at single points.
     pub probes: Vec<Probe>,
+    /// Whether it takes a software adapter half a minute and more with some techniques: a step of a sweep.
+    pub is_heavy: bool,
 }
 
 impl Case {

@@ -325,6 +325,7 @@ impl Stage {
             about,
             expect: self.expect,
             probes: self.probes,
+            is_heavy: false,
         }
     }
 }

@@ -63,7 +63,7 @@ pub struct Sweep {
     pub about: About,
     /// The option that is swept, where it is one.
     pub option: Option<Swept>,
-    /// From which value on a step takes a software adapter half a minute and more with some techniques.
+    /// From which value on steps are [heavy](Case::is_heavy).
     pub heavy_from: f64,
     stages: fn() -> Vec<(f64, Stage)>,
 }
@@ -72,7 +72,8 @@ impl Sweep {
     /// Makes the scenes, each with the parameter's value. Cases are called after the sweep and the value.
     pub fn steps(&self, cast: &Cast) -> Vec<(f64, Case)> {
         let case = |(value, stage): (f64, Stage)| {
-            (value, stage.into_case(self.id, self.what_breaks, self.about, cast))
+            let case = stage.into_case(self.id, self.what_breaks, self.about, cast);
+            (value, Case { is_heavy: value >= self.heavy_from, ..case })
         };
         (self.stages)().into_iter().map(case).collect()
     }

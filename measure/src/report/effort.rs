@@ -53,9 +53,8 @@ pub struct Effort {
     pub steps: Steps,
     /// Every how many steps of a sweep are taken; its last always is.
     pub sweep_stride: usize,
-    /// Whether sweeps have the steps that are heavy.
-    pub heavy_steps: bool,
-    /// How many times smaller, along each side, a sweep's frames are than its cases say.
+    /// How many times smaller, along each side, a sweep's frames are than its cases say. Where they are smaller, steps that are heavy
+    /// are left out, too.
     pub sweep_shrink: u32,
     /// Whether scenes try every setting of a technique, or its default only.
     pub scene_settings: bool,
@@ -85,7 +84,6 @@ impl Effort {
             sizes_px: &[[256, 256], [362, 362], [512, 512], [724, 724]],
         },
         sweep_stride: 8,
-        heavy_steps: false,
         sweep_shrink: 2,
         ..Self::DEFAULT
     };
@@ -108,7 +106,6 @@ impl Effort {
             sizes_px: &[[256, 256], [362, 362], [512, 512], [724, 724], [1024, 1024], [1448, 1448]],
         },
         sweep_stride: 1,
-        heavy_steps: true,
         sweep_shrink: 1,
         scene_settings: true,
         all_settings: false,

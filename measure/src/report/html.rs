@@ -362,7 +362,7 @@ fn sweeps(report: &Report) -> Markup {
                     "One thing of a scene goes from harmless to extreme. Filled marks: error outside the band; hollow marks: \
                      over all pixels. The strip at the foot is exact zero."
                     @if report.sweep_shrink > 1 {
-                        " Frames are " (report.sweep_shrink) " times smaller along each side than in longer reports, and stacks are no deeper than 512."
+                        " Frames are " (report.sweep_shrink) " times smaller along each side than in longer reports, and heavy steps are left out."
                     }
                 }
                 div.grid3 { @for sweep in &report.sweeps { (sweep_plot(sweep)) } }

@@ -9,7 +9,7 @@ use super::axes::{self, Axis, AxisScene};
 use super::data::{AxisReport, AxisStep, Outcome, Report, ReportScene, SweepReport, SweepStep, label};
 use super::effort::Effort;
 use super::references::References;
-use super::scene::{self, with_technique, without_shadows};
+use super::scene::{self, with_technique};
 use super::totals::Totals;
 use crate::cases::sweeps::{self, Sweep};
 use crate::cases::{Case, Cast};
@@ -92,7 +92,7 @@ impl Bench<'_> {
         settings: &[(TechniqueEntry, Setting)],
     ) -> (Vec<Runner>, Vec<Option<RenderError>>) {
         let runner = |scene| Runner { renderer: self.renderer(), scene, request: request.clone() };
-        let mut runners = vec![runner(without_shadows(scene))];
+        let mut runners = vec![runner(scene.without_shadows())];
         let errors = settings.iter().map(|(entry, setting)| {
             let mut runner = runner(with_technique(scene, entry, setting));
             let error = runner.renderer.plan(&runner.scene, request).err();
@@ -213,7 +213,7 @@ fn measure_sweep(
     steps: &mut Steps<'_>,
 ) -> SweepReport {
     let mut all = sweep.steps(&Cast::NOBODY);
-    all.retain(|(value, _)| bench.effort.heavy_steps || *value < sweep.heavy_from);
+    all.retain(|(_, case)| bench.effort.sweep_shrink == 1 || !case.is_heavy);
     let last = all.len().saturating_sub(1);
     let stride = bench.effort.sweep_stride.max(1);
     let taken: Vec<&(f64, Case)> =

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use shadowgraph_engine::gpu::Pixels;
 use shadowgraph_engine::render::{Frame, FrameRequest, RenderError, RenderOptions};
-use shadowgraph_engine::scene::{Content, Scene, Scope, ShadowNode};
+use shadowgraph_engine::scene::{Scene, Scope, ShadowNode};
 use shadowgraph_engine::shadow::{Setting, TechniqueEntry};
 
 use shadowgraph_engine::shadow::receivers_for;
@@ -19,11 +19,6 @@ use super::totals::Totals;
 use crate::compare::evaluate::on_receivers;
 use crate::compare::timing::{PassTimes, Runner, Spread, take_turns, time_passes};
 use crate::{LightError, LightQuery, Measured, compare, converged_queries, measured, pictures, queries_with};
-
-/// The scene without any shadow.
-pub(super) fn without_shadows(scene: &Scene) -> Scene {
-    scene.emptied_of(|content| matches!(content, Content::Shadow(_)))
-}
 
 /// The scene with this technique and setting in its shadow nodes, whose scopes stay; without any, one over everything. A
 /// technique that shades receivers only gets those it accepts where nodes name none.

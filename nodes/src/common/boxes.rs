@@ -4,7 +4,7 @@ use glam::DVec3;
 use shadowgraph_engine::math::Plane;
 
 /// The faces of a box with these corners.
-pub fn faces_of(corners: &[DVec3; 8]) -> Vec<Vec<DVec3>> {
+pub(super) fn faces_of(corners: &[DVec3; 8]) -> Vec<Vec<DVec3>> {
     let faces = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
     faces.map(|face| face.map(|corner| corners[corner]).to_vec()).to_vec()
 }

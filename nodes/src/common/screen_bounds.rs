@@ -4,7 +4,7 @@
 //! span. Seen by the eye, it lies in the rectangle around these points; where some are behind the near plane, around where
 //! the lines between them and the others cross it.
 
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DVec3, DVec4};
 use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::shadow::View;
 
@@ -18,15 +18,13 @@ pub fn volume_pixels(view: &View, light: DVec4, caster: &Aabb, end: End) -> Opti
         return Some([0, 0, view.size_px[0], view.size_px[1]]);
     }
     let [width, height] = view.size_px.map(f64::from);
-    let projection = &view.camera.projection;
-    let view_from_world = DMat4::from(view.camera.world_from_view.inverse());
-    let clip_from_world = projection.clip_from_view(width / height) * view_from_world;
+    let clip_from_world = view.camera.clip_from_world(view.size_px);
     let near = caster.corners().map(|corner| corner.extend(1.0));
     let ends = caster.corners().map(|corner| end_of(corner, light, end));
     let points: Vec<DVec4> = near.into_iter().chain(ends).map(|p| clip_from_world * p).collect();
     // In front of the eye: w > 0 for a perspective camera, and everywhere for an orthographic one. What is nearer than the
     // near plane is not drawn, so a little of it may be left out.
-    let least_w = if view.frustum.eye.w > 0.0 { 0.5 * projection.near_m() } else { 0.5 };
+    let least_w = if view.frustum.eye.w > 0.0 { 0.5 * view.camera.projection.near_m() } else { 0.5 };
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     let mut add = |p: DVec4| {
         for axis in 0..2 {

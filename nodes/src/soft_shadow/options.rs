@@ -39,7 +39,7 @@ pub struct SoftShadow {
     pub angle_deg: f64,
     /// Where shadows are drawn: in a texture on the receiver that is kept until something moves, or in the picture.
     pub mode: PlanarMode,
-    /// The longer side of a receiver's texture in texels, at most: it has about four for each pixel that the view has there. With
+    /// The longer side of a receiver's texture in texels, at most: it has about four along each pixel that the view has there. With
     /// `mode` `texture` only.
     #[schemars(range(min = 1, max = MAX_RESOLUTION))]
     pub resolution: u32,

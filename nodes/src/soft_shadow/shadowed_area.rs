@@ -80,8 +80,7 @@ impl ShadowedArea {
         let whole = vec![corners.map(|corner| self.in_world(corner)).to_vec()];
         let seen = view.frustum.planes.iter().fold(whole, |faces, plane| cut(&faces, plane));
         let [width, height] = view.size_px.map(f64::from);
-        let clip_from_world = view.camera.projection.clip_from_view(width / height)
-            * DMat4::from(view.camera.world_from_view.inverse());
+        let clip_from_world = view.camera.clip_from_world(view.size_px);
         // From the plane to the picture is a homography; at a place whose w is this, it scales areas by its determinant / w³.
         let on_picture = |v: DVec4| DVec3::new(v.x * 0.5 * width, v.y * 0.5 * height, v.w);
         let [u, v] = [self.world_from_axes.x_axis, self.world_from_axes.y_axis].map(|axis| axis.extend(0.0));

@@ -65,6 +65,7 @@ fn own_case() -> Case {
         about: About::Anything,
         expect: Expect::Shadow,
         probes: vec![],
+        is_heavy: false,
     }
 }
 
