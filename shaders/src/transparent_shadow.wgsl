@@ -2,34 +2,65 @@
 // the light that arrives.
 
 #import common/volume
+#if CAPS
+#import common/volume_caps
+#endif
 #import common/fullscreen
 
 struct Varyings {
     @builtin(position) @invariant clip: vec4f,
     @location(0) @interpolate(flat, first) volume: u32,
+#if CAPS
+    @location(1) @interpolate(flat, first) normal_offset: vec4f,
+    @location(2) @interpolate(flat, first) far_m: f32,
+#endif
 }
 
+#if CAPS
+@vertex
+fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) volume: u32) -> Varyings {
+    let cap = cap_plane(corner, volume);
+    return Varyings(volume_clip(cap_corners[corner], volume), volume, cap.normal_offset, cap.far_m);
+}
+#else
 @vertex
 fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) volume: u32) -> Varyings {
     return Varyings(volume_clip(index, volume), volume);
 }
+#endif
+
+// What a fragment of a face counts, and of a cap the depth at which it does.
+struct Counted {
+    @location(0) count: vec4f,
+#if CAPS
+    @builtin(frag_depth) depth: f32,
+#endif
+}
+
+fn counted(in: Varyings, count: vec4f) -> Counted {
+#if CAPS
+    return Counted(count, cap_depth(in.clip, CapPlane(in.normal_offset, in.far_m)));
+#else
+    return Counted(count);
+#endif
+}
 
 // +1 where the view enters a volume, −1 where it leaves it. What that adds to which channel, the blend constant says.
 @fragment
-fn add(@builtin(front_facing) entering: bool) -> @location(0) vec4f {
-    return vec4f(select(-1.0, 1.0, entering));
+fn add(in: Varyings, @builtin(front_facing) entering: bool) -> Counted {
+    return counted(in, vec4f(select(-1.0, 1.0, entering)));
 }
 
 // The same of front faces only.
 @fragment
-fn add_front(@builtin(front_facing) entering: bool) -> @location(0) vec4f {
-    return vec4f(select(0.0, 1.0, entering));
+fn add_front(in: Varyings, @builtin(front_facing) entering: bool) -> Counted {
+    return counted(in, vec4f(select(0.0, 1.0, entering)));
 }
 
 // The same of back faces only.
 @fragment
-fn add_back(@builtin(front_facing) entering: bool) -> @location(0) vec4f {
-    return vec4f(select(-1.0, 0.0, entering));
+fn add_back(in: Varyings, @builtin(front_facing) entering: bool) -> Counted {
+    return counted(in, vec4f(select(-1.0, 0.0, entering)));
 }
 
 // What a surface of each volume lets pass, red, green and blue.
@@ -37,37 +68,37 @@ fn add_back(@builtin(front_facing) entering: bool) -> @location(0) vec4f {
 
 // Multiplied where the view enters a volume, divided where it leaves it: equation 2 of Kim, Kim & Turk.
 @fragment
-fn multiply(in: Varyings, @builtin(front_facing) entering: bool) -> @location(0) vec4f {
+fn multiply(in: Varyings, @builtin(front_facing) entering: bool) -> Counted {
     let transmission = transmissions[in.volume];
-    return select(1.0 / transmission, transmission, entering);
+    return counted(in, select(1.0 / transmission, transmission, entering));
 }
 
 // The same for triangles that are wound against the chain, or counted behind the surface.
 @fragment
-fn divide(in: Varyings, @builtin(front_facing) entering: bool) -> @location(0) vec4f {
+fn divide(in: Varyings, @builtin(front_facing) entering: bool) -> Counted {
     let transmission = transmissions[in.volume];
-    return select(transmission, 1.0 / transmission, entering);
+    return counted(in, select(transmission, 1.0 / transmission, entering));
 }
 
 // Of one side's faces only.
 @fragment
-fn multiply_front(in: Varyings, @builtin(front_facing) front: bool) -> @location(0) vec4f {
-    return select(vec4f(1.0), transmissions[in.volume], front);
+fn multiply_front(in: Varyings, @builtin(front_facing) front: bool) -> Counted {
+    return counted(in, select(vec4f(1.0), transmissions[in.volume], front));
 }
 
 @fragment
-fn divide_front(in: Varyings, @builtin(front_facing) front: bool) -> @location(0) vec4f {
-    return select(vec4f(1.0), 1.0 / transmissions[in.volume], front);
+fn divide_front(in: Varyings, @builtin(front_facing) front: bool) -> Counted {
+    return counted(in, select(vec4f(1.0), 1.0 / transmissions[in.volume], front));
 }
 
 @fragment
-fn multiply_back(in: Varyings, @builtin(front_facing) front: bool) -> @location(0) vec4f {
-    return select(transmissions[in.volume], vec4f(1.0), front);
+fn multiply_back(in: Varyings, @builtin(front_facing) front: bool) -> Counted {
+    return counted(in, select(transmissions[in.volume], vec4f(1.0), front));
 }
 
 @fragment
-fn divide_back(in: Varyings, @builtin(front_facing) front: bool) -> @location(0) vec4f {
-    return select(1.0 / transmissions[in.volume], vec4f(1.0), front);
+fn divide_back(in: Varyings, @builtin(front_facing) front: bool) -> Counted {
+    return counted(in, select(1.0 / transmissions[in.volume], vec4f(1.0), front));
 }
 
 // One class of material, and where its count is kept.

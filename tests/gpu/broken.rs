@@ -78,7 +78,10 @@ impl Spoil {
         match *self {
             Self::Draws(spoil) => draws.for_each(spoil),
             Self::Volumes(spoil) => {
-                draws.filter(|draw| matches!(draw.geometry, Geometry::Indexed { .. })).for_each(spoil);
+                let of_volumes = |draw: &&mut Draw| {
+                    matches!(draw.geometry, Geometry::Indexed { .. } | Geometry::Numbered { .. })
+                };
+                draws.filter(of_volumes).for_each(spoil);
             }
             Self::Passes(spoil) => spoil(pass),
             Self::Text(from, to) => draws.for_each(|draw| reword(draw, from, to)),
@@ -94,6 +97,7 @@ pub(crate) fn reword(draw: &mut Draw, from: &str, to: &str) {
         Geometry::Surfaces { .. } => return,
         Geometry::PulledSurfaces { shader, .. }
         | Geometry::Indexed { shader, .. }
+        | Geometry::Numbered { shader, .. }
         | Geometry::IndexedProcedural { shader, .. }
         | Geometry::Procedural { shader, .. } => shader,
     };

@@ -144,7 +144,8 @@ fn measured_with(
         Err(RenderError::Shadow(_) | RenderError::Frame(_))
             if name.ends_with("zpass")
                 || name.ends_with("toBounds")
-                || (name.ends_with("single") && ["alpha-mask", "turned-from-centre"].contains(&case.id)) =>
+                || (name.ends_with("single")
+                    && ["alpha-mask", "leaf-on-floor", "turned-from-centre"].contains(&case.id)) =>
         {
             None
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::broken::{Broken, Spoil};
+use crate::broken::{Broken, Spoil, reword};
 use shadowgraph::cases;
 use shadowgraph::engine::scene::Params;
 use shadowgraph::engine::shadow::{Catalog, ShadowTechnique, TechniqueEntry};
@@ -60,7 +60,7 @@ fn a_missing_cap() {
     // The last triangles of each run of a volume.
     let spoilt: TechniqueFromParams = |_| {
         Ok(broken(|draw| {
-            if let Geometry::Indexed { count, .. } = &mut draw.geometry {
+            if let Geometry::Indexed { count, .. } | Geometry::Numbered { count, .. } = &mut draw.geometry {
                 *count = (*count - 6).max(3);
             }
         }))
@@ -86,7 +86,7 @@ fn a_layer_shadowed_by_its_own_surface() {
     // What is left at the very depth of what is seen is taken not to be left yet. Opaque surfaces do not mind.
     let spoilt: TechniqueFromParams = |_| {
         Ok(broken(|draw| {
-            draw.state.depth_bias = -draw.state.depth_bias.abs();
+            reword(draw, "AHEAD_SHIFT, 1.0, lies_in_cap", "AHEAD_SHIFT, 0.0, lies_in_cap");
         }))
     };
     let Some([opaque, layers]) = wrong(spoilt, &CASES) else { return };

@@ -255,7 +255,11 @@ pub(crate) const ROWS: &[Row] = &[
     Row { except: &[&[("msaa", Tolerance::ExactWhereAccepted)]], ..exact(HARD, "float") },
     // Masked parts are no counts, which is all that a single pass takes; and it darkens the picture, other nodes the light.
     Row {
-        except: &[&[("alpha-mask", Tolerance::Refused), ("turned-from-centre", Tolerance::Refused)]],
+        except: &[&[
+            ("alpha-mask", Tolerance::Refused),
+            ("leaf-on-floor", Tolerance::Refused),
+            ("turned-from-centre", Tolerance::Refused),
+        ]],
         ..exact(HARD, "single")
     },
     exact(HARD, "smooth"),
@@ -298,6 +302,7 @@ pub(crate) const ROWS: &[Row] = &[
             &[
                 ("fins/5-sun", texels()),
                 ("alpha-mask", texels()),
+                ("leaf-on-floor/sun", texels()),
                 ("low-sun", texels()),
                 ("animated", texels()),
                 ("field-of-view/150-deg", texels()),
@@ -377,6 +382,7 @@ pub(crate) const ROWS: &[Row] = &[
             ("glass-order", half_sums(0.001)),
             ("glass-deep", half_sums(0.02)),
             ("glass-self", half_sums(0.002)),
+            ("folded-glass", half_sums(0.002)),
             ("panes-intersecting", half_sums(0.001)),
             ("tinted-bottle", half_sums(0.001)),
             ("glass-depth", half_sums(0.03)),
@@ -390,6 +396,7 @@ pub(crate) const ROWS: &[Row] = &[
             ("glass-order", half_sums(0.001)),
             ("glass-deep", half_sums(0.1)),
             ("glass-self", half_sums(0.002)),
+            ("folded-glass", half_sums(0.002)),
             ("panes-intersecting", half_sums(0.001)),
             ("tinted-bottle", half_sums(0.001)),
             ("glass-depth", half_sums(0.2)),

@@ -117,6 +117,8 @@ const IDS: &[&str] = &[
     "glass-on-box",
     "glass-on-glass",
     "coincident-panes",
+    "folded-glass",
+    "leaf-on-floor",
     "wide-band",
     "room-through-culled-walls",
     "inward-shell",

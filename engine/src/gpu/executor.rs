@@ -274,7 +274,7 @@ impl Executor {
                         self.materials.upload(&self.gpu, material, &inputs.snapshot.images);
                     }
                 }
-                Geometry::Indexed { instance, .. } => {
+                Geometry::Indexed { instance, .. } | Geometry::Numbered { instance, .. } => {
                     self.meshes.upload(&self.gpu, &inputs.snapshot.instances[*instance as usize].mesh);
                 }
                 Geometry::IndexedProcedural { .. } | Geometry::Procedural { .. } => {}

@@ -215,6 +215,20 @@ pub enum Geometry<R = SlotId> {
         /// The shader's `instance_index`.
         record: u32,
     },
+    /// Vertices by their numbers; the shader makes them from one instance's vertex positions, which it reads from binding 0 of
+    /// group 1, and from what the draw binds.
+    Numbered {
+        /// The shader.
+        shader: Shader,
+        /// The instance whose mesh the positions are of.
+        instance: u32,
+        /// The first number.
+        first: u32,
+        /// The number of vertices.
+        count: u32,
+        /// The shader's `instance_index`.
+        record: u32,
+    },
     /// Indices; the shader makes the vertices from what the draw binds.
     IndexedProcedural {
         /// The shader.
@@ -251,16 +265,24 @@ impl<R> Geometry<R> {
             Self::Surfaces { .. } => None,
             Self::PulledSurfaces { shader, .. }
             | Self::Indexed { shader, .. }
+            | Self::Numbered { shader, .. }
             | Self::IndexedProcedural { shader, .. }
             | Self::Procedural { shader, .. } => Some(shader),
         }
+    }
+
+    /// Whether the shader reads an instance's positions from binding 0 of group 1.
+    pub(crate) fn brings_positions(&self) -> bool {
+        matches!(self, Self::Indexed { .. } | Self::Numbered { .. })
     }
 
     /// The number of vertices that are processed.
     pub fn vertices(&self) -> u64 {
         match self {
             Self::Surfaces { vertices, .. } | Self::PulledSurfaces { vertices, .. } => *vertices,
-            Self::Indexed { count, .. } | Self::IndexedProcedural { count, .. } => u64::from(*count),
+            Self::Indexed { count, .. }
+            | Self::Numbered { count, .. }
+            | Self::IndexedProcedural { count, .. } => u64::from(*count),
             Self::Procedural { vertices, instances, .. } => u64::from(*vertices) * u64::from(*instances),
         }
     }

@@ -258,6 +258,9 @@ impl<R: Copy> Geometry<R> {
             Self::Indexed { shader, instance, indices, first, count, record } => {
                 Geometry::Indexed { shader, instance, indices: slot(indices), first, count, record }
             }
+            Self::Numbered { shader, instance, first, count, record } => {
+                Geometry::Numbered { shader, instance, first, count, record }
+            }
             Self::IndexedProcedural { shader, indices, first, count, record } => {
                 Geometry::IndexedProcedural { shader, indices: slot(indices), first, count, record }
             }

@@ -133,6 +133,7 @@ impl FramePlan {
                 write!(f, "{style:?} surfaces, {} parts, ", parts.len())?;
             }
             Geometry::Indexed { .. } | Geometry::IndexedProcedural { .. } => write!(f, "indexed, ")?,
+            Geometry::Numbered { .. } => write!(f, "numbered, ")?,
             Geometry::Procedural { .. } => write!(f, "procedural, ")?,
         }
         write!(f, "{} vertices", draw.vertices())?;

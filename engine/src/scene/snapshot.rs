@@ -154,20 +154,28 @@ impl CameraSnapshot {
         Self { key: None, name: camera.name, world_from_view, projection: camera.projection }
     }
 
-    /// The same camera, seeing no farther than a scene with these bounds goes. An orthographic depth is equally
-    /// coarse over its whole range, and files often guess `zfar`; a perspective depth gains nothing from this.
+    /// The same camera, seeing no farther than a scene with these bounds goes, and standing where that begins. An orthographic
+    /// depth is equally coarse over its whole range, files often guess `zfar`, and positions from an eye far away
+    /// have lost digits; where such an eye stands changes nothing else. A perspective depth gains nothing from this.
     pub fn fitted_to(&self, world_bounds: &Aabb) -> Self {
         let mut fitted = self.clone();
         if let Projection::Orthographic { near_m, far_m, .. } = &mut fitted.projection
             && !world_bounds.is_empty()
         {
             let view_from_world = self.world_from_view.inverse();
-            let corners = world_bounds.corners().map(|corner| -view_from_world.transform_point3(corner).z);
-            let farthest_m = corners.into_iter().fold(f64::NEG_INFINITY, f64::max);
-            // What is farthest away is not to have the depth of where nothing is.
-            let end_m = *near_m + (farthest_m - *near_m) * (1.0 + 1.0 / 64.0);
-            if end_m > *near_m {
-                *far_m = far_m.min(end_m);
+            let depths = world_bounds.corners().map(|corner| -view_from_world.transform_point3(corner).z);
+            let (nearest_m, farthest_m) = depths
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), m| (low.min(*m), high.max(*m)));
+            // What is nearest is not to be cut off by a rounding, and what is farthest not to have the depth of where nothing is.
+            let margin_m = (farthest_m - nearest_m) / 64.0;
+            let (start_m, end_m) = (near_m.max(nearest_m - margin_m), far_m.min(farthest_m + margin_m));
+            if end_m > start_m {
+                // From the eye to the near plane as far as before, but no farther than the scene is deep.
+                *near_m = near_m.min(end_m - start_m);
+                *far_m = *near_m + (end_m - start_m);
+                let forward = self.world_from_view.transform_vector3(DVec3::NEG_Z).normalize();
+                fitted.world_from_view.translation += forward * (start_m - *near_m);
             }
         }
         fitted

@@ -2,7 +2,7 @@
 //! every older row passed.
 
 use super::table::{glassy, row};
-use super::{CaseEntry, beside, horizons, rooms, stretched, ties, touching_glass};
+use super::{CaseEntry, beside, horizons, masks, rooms, stretched, ties, touching_glass};
 
 const OWN_PLANE: &str = "what lies in the receiver's own plane casts nothing on it";
 const AS_REFERENCE: &str = "as the reference";
@@ -51,6 +51,18 @@ pub(super) const ROWS: &[CaseEntry] = &[
         "each counts",
         touching_glass::coincident_panes,
     )),
+    glassy(row(
+        "folded-glass",
+        "next to their fold, less is between two panes than depths in one plane may differ by",
+        "the nearer pane tints the other up to the fold",
+        touching_glass::folded_glass,
+    )),
+    row(
+        "leaf-on-floor",
+        "holes in the plane they lie in, where the picture's edge cuts the floor",
+        OWN_PLANE,
+        masks::leaf_on_floor,
+    ),
     row(
         "wide-band",
         "the band of what is ambiguous swallows the error",

@@ -1,12 +1,13 @@
 //! Casters with holes: where the texture is not, light passes.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DAffine3, Vec2, Vec3, Vec4};
 use shadowgraph_engine::geometry::shapes::quad;
 use shadowgraph_engine::geometry::{MeshData, Part};
 use shadowgraph_engine::scene::{AlphaMode, Material, TexCoord, TextureRef, UvTransform, Wrap};
 
 use super::Expect;
 use super::stage::{Stage, block, p, v};
+use super::ties::{Cut, level, patch, turned_at};
 
 /// A leaf-green material with holes where the texture's alpha is below one half.
 fn leaf(texture: TextureRef) -> Material {
@@ -161,4 +162,31 @@ fn shapes() -> Vec<Stage> {
 
 pub(super) fn alpha_mask() -> Vec<Stage> {
     [windows(), readings(), shapes()].concat()
+}
+
+/// Fallen leaves: cards with holes in the very plane of what they lie on. They cast nothing on it, however the picture's edges cut
+/// either.
+pub(super) fn leaf_on_floor() -> Vec<Stage> {
+    let lies =
+        |name: &str, texture: fn(&mut Stage) -> TextureRef| card(name, level_card(0.0), texture).control();
+    let on_leaf = [p(0.4, 0.0, 0.3), p(-0.5, 0.0, 0.7), p(0.7, 0.0, -0.6)];
+    let turned = turned_at(p(0.0, 0.9, 0.0));
+    let mut on_board = Stage::small("turned-board").floor();
+    let holes = leaf(squares(&mut on_board));
+    let mut below = Stage::small("facing-down").floor().control();
+    let facing_down = Material { double_sided: false, ..leaf(squares(&mut below)) };
+    let near = |stage: Stage| stage.eye(p(0.5, 0.6, 1.0), p(0.0, 0.0, -0.4)).lens(40.0, 0.05);
+    vec![
+        lies("lamp", squares).point(p(-2.0, 3.0, 2.0)).lit(&on_leaf),
+        lies("sun", round_hole).sun(p(0.5, -1.0, -0.4)).lit(&on_leaf),
+        // The floor reaches beyond the picture on all sides.
+        near(lies("cut-by-picture", squares).point(p(1.1, 4.0, 0.3))).expects(Expect::NoShadow),
+        lies("ortho", squares).point(p(1.1, 4.0, 0.3)).seen_low().lit(&[p(0.1, 0.0, 0.1)]),
+        below.worn_at(level_card(0.0).flipped(), facing_down, DAffine3::IDENTITY).point(p(-2.0, 3.0, 2.0)),
+        on_board
+            .caster_at(patch(level(0.7, 0.0), Cut::First), turned)
+            .worn_at(patch(level(0.7, 0.0), Cut::Fan), holes, turned)
+            .sun(p(0.5, -1.0, -0.4))
+            .lit(&[p(0.2, 0.0, 0.1), p(-0.4, 0.0, -0.3)].map(|point| turned.transform_point3(point))),
+    ]
 }

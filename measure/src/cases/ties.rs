@@ -60,6 +60,11 @@ pub(super) fn turned_at(center: DVec3) -> DAffine3 {
 }
 
 impl Stage {
+    /// An orthographic eye 15° over the floor: its plane is steep, and the picture's edges cut it far from its corners.
+    pub(super) fn seen_low(self) -> Self {
+        self.ortho(2.2, 0.1, 90.0).eye(p(-7.2, 5.3, 17.7), p(-0.2, 0.4, 0.3))
+    }
+
     /// A small frame: what breaks here breaks in whole regions.
     pub(super) fn small(name: impl Into<String>) -> Self {
         Self::new(name).size(64, 48)
@@ -97,6 +102,13 @@ pub(super) fn culled_underside() -> Vec<Stage> {
         stage("grid", rug(Cut::Grid(3, 2))).point(LAMP),
         stage("fan-spot", rug(Cut::Fan)).spot(LAMP, p(0.3, 0.0, 0.0), 0.6),
         stage("ortho", rug(Cut::Turned)).point(LAMP).ortho(2.2, 0.1, 30.0),
+        stage("ortho-low", rug(Cut::Other)).point(p(1.1, 4.0, 0.3)).seen_low().size(256, 256),
+        // The seam of the floor's two triangles passes through the middles of pixels.
+        stage("along-the-seam", rug(Cut::Other))
+            .point(p(1.1, 4.0, 0.3))
+            .eye(p(3.0, 0.8, -3.0), p(0.0, 0.0, 0.0))
+            .lens(50.0, 0.05)
+            .size(129, 97),
         // Turned by a node, the board shows, and the sheet on its back's own plane does not.
         board(Stage::small("turned-by-node"), turned, [Cut::First, Cut::Grid(2, 3)])
             .sun(SUN)

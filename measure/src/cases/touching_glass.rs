@@ -4,6 +4,7 @@
 
 use glam::{DAffine3, DVec3, Vec3};
 use shadowgraph_engine::geometry::MeshData;
+use shadowgraph_engine::geometry::shapes::quad;
 use shadowgraph_engine::scene::Material;
 
 use super::glass::glass;
@@ -145,5 +146,45 @@ pub(super) fn coincident_panes() -> Vec<Stage> {
             .rose_at(panes(&[0, 3, 1]), at(0.1, 0.05, -0.1))
             .sun(p(0.2, -1.0, 0.1))
             .factor(&under, times(3)),
+    ]
+}
+
+/// Two panes that share an edge and open by so many radians: next to the edge, less than depths can tell is between the upper one,
+/// which tints, and the lower one. Its direction tells it.
+fn folded_panes(opening_rad: f32) -> MeshData {
+    let rise = opening_rad * 1.25;
+    MeshData::merged(
+        "fold",
+        [
+            quad([v(0.0, 0.0, 1.0), v(1.25, 0.0, 1.0), v(1.25, 0.0, -1.0), v(0.0, 0.0, -1.0)]),
+            quad([v(0.0, 0.0, 1.0), v(1.25, rise, 1.0), v(1.25, rise, -1.0), v(0.0, 0.0, -1.0)]),
+        ],
+    )
+}
+
+pub(super) fn folded_glass() -> Vec<Stage> {
+    let lamp = p(0.3, 4.0, 0.5);
+    let over = p(0.35, 5.5, 1.5);
+    let stage = |name: &str, opening_rad: f32| {
+        let fold = folded_panes(opening_rad);
+        Stage::small(name)
+            .floor()
+            .rose_at(fold, at(0.0, 0.8, 0.0))
+            .eye(over, p(0.1, 0.8, 0.0))
+            .lens(15.0, 0.1)
+    };
+    let turned = turned_at(p(0.0, 0.9, 0.0));
+    vec![
+        stage("opening-0.0006", 6e-4).point(lamp),
+        stage("opening-0.001", 1e-3).sun(p(0.1, -1.0, 0.2)),
+        stage("opening-0.01", 1e-2).point(lamp),
+        stage("from-below", 1e-3).point(lamp).eye(p(0.3, 0.3, 3.0), p(0.1, 0.7, 0.0)).lens(40.0, 0.05),
+        stage("ortho", 1e-3).point(lamp).ortho(0.4, 0.1, 30.0),
+        Stage::small("turned-by-node")
+            .floor()
+            .rose_at(folded_panes(1e-3), turned)
+            .point(turned.transform_point3(p(0.3, 4.0, 0.5)))
+            .eye(turned.transform_point3(p(0.35, 5.0, 1.5)), turned.transform_point3(p(0.1, 0.0, 0.0)))
+            .lens(15.0, 0.1),
     ]
 }

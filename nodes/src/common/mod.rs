@@ -6,6 +6,7 @@ pub mod culling;
 pub mod cut_casters;
 pub mod extrusion;
 pub mod flat_casters;
+mod front_caps;
 pub mod layer_groups;
 pub mod light_grid_lists;
 pub mod light_maps;

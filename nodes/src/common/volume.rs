@@ -1,6 +1,6 @@
 //! The shadow volume of one caster and one light: its indices, and the record its vertex shader reads.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -11,6 +11,7 @@ use shadowgraph_engine::scene::Instance;
 
 use super::beside_light::{CutVertex, Cutter};
 use super::extrusion::End;
+use super::front_caps::FrontCaps;
 
 /// `struct Volume` of the shadow volume shaders.
 #[repr(C)]
@@ -158,6 +159,8 @@ pub struct CasterFacing {
     pub signs: Vec<i8>,
     /// The triangles with a sign other than 0.
     pub cast: Vec<u32>,
+    /// The triangles that hold the light in their plane, or have no area.
+    pub edge_on: Vec<u32>,
     /// Which triangles were asked to cast.
     pub half: Half,
 }
@@ -181,9 +184,13 @@ impl CasterFacing {
             .map(|vertex| instance.world_position(vertex))
             .collect();
         let signs = facing_signs(&p_in_world, shape.topology().triangles(), light);
+        let with_sign = |signs: &[i8], wanted: fn(i8) -> bool| -> Vec<u32> {
+            (0..signs.len() as u32).filter(|triangle| wanted(signs[*triangle as usize])).collect()
+        };
+        let edge_on = with_sign(&signs, |sign| sign == 0);
         let signs = shape.of_parts(instance, shape.signs_of(instance, signs, half), casts);
-        let cast = (0..signs.len() as u32).filter(|triangle| signs[*triangle as usize] != 0).collect();
-        Self { p_in_world, signs, cast, half }
+        let cast = with_sign(&signs, |sign| sign != 0);
+        Self { p_in_world, signs, cast, edge_on, half }
     }
 }
 
@@ -204,9 +211,12 @@ pub enum Begin {
     /// A little before it: what is seen of the caster may be turned away from the light and is not to be in the caster's own
     /// shadow, which the view enters through these sides and leaves through a cap that is moved ahead as well.
     Ahead,
+    /// The same, but for edges of triangles that hold the light's centre in their plane: those sides lie in that plane, and so do
+    /// surfaces which are neither before nor behind them.
+    AheadOfSlanted,
 }
 
-/// The sides of one weight.
+/// The sides of one weight that begin alike.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SideRun {
     /// What each of them counts.
@@ -249,6 +259,11 @@ pub struct VolumeIndices {
 }
 
 impl VolumeIndices {
+    /// Where the caps are among the indices: front caps, slivers and unseen ones, which come last.
+    pub fn caps(&self) -> Range<usize> {
+        self.front_caps.start as usize..self.indices.len()
+    }
+
     /// The volume of the given triangles of a caster, for the homogeneous world-space `light`, that is to end at `end`.
     pub fn new(
         instance: &Instance,
@@ -276,7 +291,7 @@ impl VolumeIndices {
             start..indices.len() as u32
         };
         let mut sides = Vec::new();
-        for (weight, of_weight) in by_weight(&chain.sides, weights) {
+        for (weight, begin, of_weight) in sides_apart(&chain, weights, begin, (topology, facing)) {
             let of_weight = cut_sides(&mut cutter, of_weight);
             let near_run =
                 run(&mut |i| of_weight.iter().for_each(|&[p, q]| i.extend([near(q), near(p), far(p)])));
@@ -321,6 +336,33 @@ impl VolumeIndices {
     }
 }
 
+/// The sides in lists of one weight that begin alike.
+fn sides_apart(
+    chain: &Chain,
+    weights: Weights,
+    begin: Begin,
+    (topology, facing): (&Topology, &CasterFacing),
+) -> impl Iterator<Item = (u32, Begin, Vec<[u32; 2]>)> {
+    let level = match begin {
+        Begin::AheadOfSlanted => edges_of(topology, &facing.edge_on),
+        Begin::Behind | Begin::Ahead => HashSet::new(),
+    };
+    let begins_behind =
+        move |[p, q]: &[u32; 2]| begin == Begin::Behind || level.contains(&[*p.min(q), *p.max(q)]);
+    let apart = by_weight(&chain.sides, weights).into_iter().flat_map(move |(weight, of_weight)| {
+        let (behind, ahead): (Vec<_>, Vec<_>) = of_weight.into_iter().partition(&begins_behind);
+        [(weight, Begin::Behind, behind), (weight, Begin::Ahead, ahead)]
+    });
+    apart.filter(|(_, _, sides)| !sides.is_empty())
+}
+
+/// The edges of these triangles, their ends in ascending order.
+fn edges_of(topology: &Topology, triangles: &[u32]) -> HashSet<[u32; 2]> {
+    let corners = triangles.iter().map(|triangle| topology.triangles()[*triangle as usize]);
+    let edges = corners.flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);
+    edges.map(|[p, q]| [p.min(q), p.max(q)]).collect()
+}
+
 /// The sides with those of cut edges in parts.
 fn cut_sides(cutter: &mut Option<Cutter<'_>>, sides: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
     let Some(cutter) = cutter else { return sides };
@@ -336,11 +378,6 @@ fn cut_triangle(cutter: &mut Option<Cutter<'_>>, corners: [u32; 3]) -> Vec<[u32;
     cutter.as_mut().map_or_else(|| vec![corners], |cutter| cutter.triangle(corners))
 }
 
-/// A corner of a cap.
-fn cap(vertex: u32) -> u32 {
-    vertex << 2
-}
-
 /// A corner of a side where the caster is, a little before it.
 fn ahead(vertex: u32) -> u32 {
     vertex << 2 | 1
@@ -354,72 +391,6 @@ fn near(vertex: u32) -> u32 {
 /// A corner at the volume's far end.
 fn far(vertex: u32) -> u32 {
     vertex << 2 | 3
-}
-
-/// Front caps: those that count as the chain does, and those that count the other way round.
-#[derive(Default)]
-struct FrontCaps {
-    own: [Vec<u32>; 2],
-    slivers: Vec<u32>,
-    unseen: [Vec<u32>; 2],
-}
-
-impl FrontCaps {
-    fn new(
-        instance: &Instance,
-        shape: &CastShape<'_>,
-        chain: &Chain,
-        cutter: &mut Option<Cutter<'_>>,
-    ) -> Self {
-        let own_count = instance.mesh.triangle_count() as u32;
-        let welded = shape.topology().triangles();
-        let mut caps = Self::default();
-        let (mut own_slivers, mut unseen_slivers) = (Slivers::default(), Slivers::default());
-        for (turned, list) in [&chain.caps_front, &chain.caps_back].into_iter().enumerate() {
-            for &triangle in list {
-                let corners = welded[triangle as usize];
-                let slivers = if triangle < own_count {
-                    caps.own[turned].extend(instance.mesh.triangle(triangle as usize).map(cap));
-                    &mut own_slivers
-                } else if matches!(shape, CastShape::Doubled(_)) {
-                    // The reverse of a triangle is that triangle, counted the other way round.
-                    let own = instance.mesh.triangle((triangle - own_count) as usize);
-                    caps.own[1 - turned].extend(own.map(cap));
-                    &mut own_slivers
-                } else {
-                    caps.unseen[turned].extend(corners.map(cap));
-                    &mut unseen_slivers
-                };
-                for sliver in cutter.as_mut().map_or_else(Vec::new, |cutter| cutter.slivers(corners)) {
-                    slivers.add(sliver, [1, -1][turned]);
-                }
-            }
-        }
-        caps.slivers.extend(own_slivers.left().map(cap));
-        caps.unseen[0].extend(unseen_slivers.left().map(cap));
-        caps
-    }
-}
-
-/// What lies between edges and the places where they are cut, and how often it counts. Where two caps meet their slivers cancel,
-/// and are not to be drawn: a sliver that the near plane cuts covers what it likes.
-#[derive(Default)]
-struct Slivers(BTreeMap<[u32; 3], i32>);
-
-impl Slivers {
-    /// Adds (end, cut, end), which counts `count` times as it is wound.
-    fn add(&mut self, [p, middle, q]: [u32; 3], count: i32) {
-        let (sliver, count) = if p < q { ([p, middle, q], count) } else { ([q, middle, p], -count) };
-        *self.0.entry(sliver).or_default() += count;
-    }
-
-    /// The corners of those that are left, wound so that each counts once.
-    fn left(self) -> impl Iterator<Item = u32> {
-        self.0.into_iter().flat_map(|([p, middle, q], count)| {
-            let sliver = if count > 0 { [p, middle, q] } else { [q, middle, p] };
-            std::iter::repeat_n(sliver, count.unsigned_abs() as usize).flatten()
-        })
-    }
 }
 
 /// The sides in lists of one weight, ascending. [`Chain`] lists a side of weight k k times in a row.

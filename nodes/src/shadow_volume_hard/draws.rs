@@ -6,7 +6,7 @@ use shadowgraph_engine::plan::{
 };
 use shadowgraph_engine::shadow::{DepthTarget, Draw, Geometry, LightContext, Pass};
 
-use crate::common::volume_draws::{Buffers, Faces, How, Volume, float_state, volume_draws};
+use crate::common::volume_draws::{Buffers, CAPS, Faces, How, Volume, float_state, volume_draws};
 
 /// A shader of this technique's own.
 pub(super) fn volume_shader(
@@ -41,11 +41,12 @@ pub(super) fn counting_draws(
             Counter::InGroups => stencil_state(volume.z_fail, how, COUNT_BITS),
             Counter::Float => float_state(volume.z_fail, how),
         };
-        let fragment = (counter == Counter::Float).then_some(match how.front_faces() {
-            None => "count",
-            Some(true) => "count_front",
-            Some(false) => "count_back",
-        });
+        let fragment = match (counter, how.front_faces()) {
+            (Counter::Float, None) => Some("count"),
+            (Counter::Float, Some(true)) => Some("count_front"),
+            (Counter::Float, Some(false)) => Some("count_back"),
+            _ => flags.contains(&CAPS).then_some("place"),
+        };
         Ok((volume_shader("vertex", fragment, flags)?, state))
     })
 }

@@ -129,6 +129,10 @@ fn inside_edges(cone: ListedCone, from_center: vec3f) -> vec3f {
     );
 }
 
+// A rasteriser's corners lie on a grid of 1/256 pixel, and where it cuts a triangle at the picture's edges the new ones do as well:
+// the plane of its depths may be beside the surface by half of that.
+const SNAP_PX: f32 = 0.001953125;
+
 // Whether a receiver lies strictly behind a triangle through `corner` (from the eye), wherever within the uncertainty of
 // its depth it is: else it may lie on the triangle itself.
 fn is_behind(receiver: Receiver, corner: vec3f, away: vec3f) -> bool {
@@ -136,6 +140,8 @@ fn is_behind(receiver: Receiver, corner: vec3f, away: vec3f) -> bool {
     let seen = view_from_pixel(receiver.pixel, receiver.depth);
     let step = world_from_view(deeper(receiver.pixel, receiver.depth) - seen);
     let away_in_view = vec3f(dot(away, lists_seen.world_x), dot(away, lists_seen.world_y), dot(away, lists_seen.world_z));
-    let uncertain = abs(dot(away, step)) * depth_loss(seen, away_in_view) + ROUNDING * (length(receiver.p) + length(corner));
+    let beside = abs(view_from_pixel(receiver.pixel + vec2f(SNAP_PX), receiver.depth) - seen);
+    let uncertain = abs(dot(away, step)) * depth_loss(seen, away_in_view) + dot(abs(away_in_view.xy), beside.xy)
+        + ROUNDING * (length(receiver.p) + length(corner));
     return height > uncertain;
 }

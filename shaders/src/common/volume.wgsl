@@ -57,19 +57,24 @@ fn moved_nearer(clip: vec4f, share: f32) -> vec4f {
     return vec4f(clip.xy, clip.z + depth_unit * share, clip.w);
 }
 
+// A vertex of a volume in local space.
+fn volume_vertex(vertex: u32, volume: Volume) -> vec3f {
+#if CUT_EDGES
+    let is_cut = vertex >= FIRST_CUT;
+    let cut = cut_vertices[select(0u, volume.first_cut + vertex - FIRST_CUT, is_cut)];
+    return select(local_position(select(vertex, 0u, is_cut)), cut.position, is_cut);
+#else
+    return local_position(vertex);
+#endif
+}
+
 // Where a corner of a volume goes. Each index is 4·vertex + what is meant: 0 a corner of a cap, 2 a near corner of a side,
 // 1 such a corner a little before the surface, 3 the vertex's extruded twin.
 fn volume_clip(index: u32, volume_index: u32) -> vec4f {
     let volume = volumes[volume_index];
     let kind = index & 3u;
     let vertex = index >> 2u;
-#if CUT_EDGES
-    let is_cut = vertex >= FIRST_CUT;
-    let cut = cut_vertices[select(0u, volume.first_cut + vertex - FIRST_CUT, is_cut)];
-    let p = select(local_position(select(vertex, 0u, is_cut)), cut.position, is_cut);
-#else
-    let p = local_position(vertex);
-#endif
+    let p = volume_vertex(vertex, volume);
     let clip = clip_from_local(volume.instance, p);
     if kind == 0u {
         return clip;
@@ -80,6 +85,8 @@ fn volume_clip(index: u32, volume_index: u32) -> vec4f {
     // The direction in which the vertex is extruded: w·v − l.
     var away = (p * volume.light_high.w - volume.light_high.xyz) - volume.light_low.xyz;
 #if CUT_EDGES
+    let is_cut = vertex >= FIRST_CUT;
+    let cut = cut_vertices[select(0u, volume.first_cut + vertex - FIRST_CUT, is_cut)];
     away = select(away, cut.away, is_cut);
 #endif
     let away_in_view = view_direction_from_local(volume.instance, away);

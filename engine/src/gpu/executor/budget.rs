@@ -122,7 +122,7 @@ fn drawn<'a>(
                     materials.insert(Arc::as_ptr(material) as usize, material);
                 }
             }
-            Geometry::Indexed { instance, .. } => {
+            Geometry::Indexed { instance, .. } | Geometry::Numbered { instance, .. } => {
                 let mesh = &inputs.snapshot.instances[*instance as usize].mesh;
                 meshes.insert(mesh.id(), mesh);
             }

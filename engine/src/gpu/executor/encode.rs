@@ -161,6 +161,13 @@ impl Executor {
                 render.set_bind_group(1, &group, &[]);
                 draw_indices(scene, (*indices, *first, *count, *record), render);
             }
+            Geometry::Numbered { shader, instance, first, count, record } => {
+                let mesh = &scene.snapshot.instances[*instance as usize];
+                self.set_pipeline(recording, shader, Surface::Technique { indexed: true }, render)?;
+                let group = self.draw_group(scene, draw, Some(mesh), None, groups);
+                render.set_bind_group(1, &group, &[]);
+                render.draw(*first..first + count, *record..record + 1);
+            }
             Geometry::IndexedProcedural { shader, indices, first, count, record } => {
                 self.set_pipeline(recording, shader, Surface::Technique { indexed: false }, render)?;
                 let group = self.draw_group(scene, draw, None, None, groups);
@@ -339,7 +346,7 @@ impl Executor {
         pulled: Option<Surface>,
         groups: &mut DrawGroups,
     ) -> wgpu::BindGroup {
-        let brings_positions = pulled.is_some() || matches!(draw.geometry, Geometry::Indexed { .. });
+        let brings_positions = pulled.is_some() || draw.geometry.brings_positions();
         let instance = instance.filter(|_| brings_positions);
         let surface = pulled.unwrap_or(Surface::Technique { indexed: instance.is_some() });
         let mesh_id = instance.map(|instance| (instance.mesh.id(), surface.own_bindings()));
