@@ -74,13 +74,7 @@ pub(crate) const KNOWN_ON_CASES: &[Known] = &[
 ];
 
 /// Fixed seeds of the random search that are known to be wrong, and why.
-pub(crate) const KNOWN_SEEDS: &[(u64, &str)] = &[
-    (
-        68,
-        "one pixel of glass next to the fold between two panes, of which one is before the other's shadow by rounding",
-    ),
-    (26, "one sample of a lamp with a size in one pixel: the lamp all but touches an edge of a caster"),
-];
+pub(crate) const KNOWN_SEEDS: &[(u64, &str)] = &[];
 
 /// A case on which pixels may be outside their bounds under large lights (`soft_shadows`).
 #[derive(Clone, Copy, Debug)]

@@ -86,6 +86,7 @@ fn a_layer_shadowed_by_its_own_surface() {
     // What is left at the very depth of what is seen is taken not to be left yet. Opaque surfaces do not mind.
     let spoilt: TechniqueFromParams = |_| {
         Ok(broken(|draw| {
+            draw.state.depth_bias = -draw.state.depth_bias.abs();
             reword(draw, "AHEAD_SHIFT, 1.0, lies_in_cap", "AHEAD_SHIFT, 0.0, lies_in_cap");
         }))
     };

@@ -2,6 +2,8 @@
 
 pub mod beside_light;
 pub mod boxes;
+mod cap_planes;
+mod coplanar;
 pub mod culling;
 pub mod cut_casters;
 pub mod extrusion;

@@ -4,7 +4,6 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use shadowgraph_engine::geometry::GroupMember;
-use shadowgraph_engine::math::Projection;
 use shadowgraph_engine::plan::{
     BlendComponent, BlendFactor, BlendOperation, BlendState, BufferDesc, CompareFunction, DrawState,
     Resource, Shader, ShaderError,
@@ -12,9 +11,10 @@ use shadowgraph_engine::plan::{
 use shadowgraph_engine::shadow::{Binding, Draw, Geometry, LightContext, PassList, hash_of};
 
 use super::beside_light::CutVertex;
+use super::cap_planes::{CapPlanes, OwnPlane, cap_bias};
 use super::extrusion::End;
 use super::layer_groups::Caster;
-use super::volume::{Begin, CastShape, Half, VolumeIndices, VolumeUniform, Weights};
+use super::volume::{Begin, Half, VolumeIndices, VolumeUniform, Weights};
 
 /// One caster's volume, with everything the view decides about it.
 #[derive(Clone, Debug)]
@@ -43,11 +43,6 @@ pub struct Volume<'a> {
 }
 
 impl Volume<'_> {
-    /// Whether it has front caps that are in no depth buffer.
-    fn has_hidden_caps(&self) -> bool {
-        self.hidden_caps_count || self.falls_on_itself || matches!(self.caster.shape, CastShape::Capped(_))
-    }
-
     /// The caster's name and what was chosen for it.
     pub fn name(&self) -> String {
         let mode = match self.half {
@@ -96,53 +91,10 @@ pub struct Buffers {
     cuts: Option<Resource>,
     /// For each record: where its indices begin, and their runs.
     indices: Vec<(u32, Arc<VolumeIndices>)>,
-    /// How far caps are moved where depth tells what lies in them, in last digits of the largest depth of a triangle.
-    cap_bias: i32,
+    /// For each record: how far caps are moved, in last digits of the largest depth of a triangle.
+    cap_bias: Vec<i32>,
     /// What caps ask where planes tell what lies in them.
     caps: Option<CapPlanes>,
-}
-
-/// How it is told by planes whether what is seen lies in a cap's own plane. Layers of transparent surfaces need that, which are lit
-/// from behind as well. So do caps that are in no depth buffer under an orthographic eye: next to where the picture's edges cut a
-/// floor, a rasteriser's depth is off by what it changes over half the 1/256 pixel on which corners lie, which is more than
-/// roundings where the view is steep; and a depth bias with that share of the slope loses what a fold's nearer side
-/// casts on the other. (Under a perspective eye neither was found in some ten thousand scenes.)
-struct CapPlanes {
-    /// The corners of all caps.
-    corners: Resource,
-    /// For each record: where its caps begin among them.
-    first: Vec<u32>,
-    /// The planes of what is seen.
-    seen: Resource,
-}
-
-impl CapPlanes {
-    /// For the caps of these volumes; `None` where depth tells it.
-    fn new(
-        light: &LightContext<'_>,
-        out: &mut PassList<'_>,
-        volumes: &[Volume<'_>],
-        runs: &[Arc<VolumeIndices>],
-    ) -> Option<Self> {
-        let steep = matches!(light.view.camera.projection, Projection::Orthographic { .. });
-        let asks = light.layer().is_some() || steep && volumes.iter().any(Volume::has_hidden_caps);
-        if !asks || light.view.samples > 1 {
-            return None;
-        }
-        let mut corners: Vec<u32> = Vec::new();
-        let first = runs.iter().map(|runs| {
-            let first = corners.len() as u32;
-            corners.extend(&runs.indices[runs.caps()]);
-            first
-        });
-        let first = first.collect();
-        let bytes: &[u8] = bytemuck::cast_slice(&corners);
-        let name = format!("caps of {}", light.light().name);
-        let reason = "in which planes caps lie: what is seen there is not in their shadow";
-        let (key, contents) = (hash_of(("cap corners", bytes)), Arc::new(bytes.to_vec()));
-        let corners = out.buffer(BufferDesc::storage(&name, key, contents, reason));
-        Some(Self { corners, first, seen: out.receiver_planes() })
-    }
 }
 
 /// Uploads the indices and records of `groups`, of which every member is a caster's number in `volumes`.
@@ -202,9 +154,12 @@ pub fn upload(
         let (key, contents) = (hash_of(("cut vertices", bytes)), Arc::new(bytes.to_vec()));
         out.buffer(BufferDesc::storage(&format!("cut vertices of {name}"), key, contents, &reason))
     });
-    let runs: Vec<_> = indices.iter().map(|(_, runs)| Arc::clone(runs)).collect();
-    let caps = CapPlanes::new(light, out, volumes, &runs);
-    Buffers { index_slot, records, cuts, indices, cap_bias: cap_bias(&light.view.camera.projection), caps }
+    let own_planes = groups.iter().flatten().map(|member| OwnPlane::of(light, &volumes[member.caster]));
+    let own_planes: Vec<_> =
+        own_planes.zip(&indices).map(|(own, (_, runs))| (own, Arc::clone(runs))).collect();
+    let cap_bias = own_planes.iter().map(|(own, _)| cap_bias(&light.view.camera.projection, *own)).collect();
+    let caps = CapPlanes::new(light, out, &own_planes);
+    Buffers { index_slot, records, cuts, indices, cap_bias, caps }
 }
 
 /// Neighbouring indices that count alike.
@@ -254,24 +209,6 @@ impl How {
             Some(Caps::Behind) => -cap_bias,
             Some(Caps::Ahead) => cap_bias,
         }
-    }
-}
-
-/// How far front caps lie behind themselves, or ahead, in last digits of the largest depth of a triangle.
-///
-/// A triangle that lies in a surface's own plane casts nothing on it. Rasterised from other corners, or in another order, the
-/// same plane has other depths, by some tens of roundings of the largest depth on it: so a cap counts as before what it is
-/// before by more than that, the measures' own constant. A bias with a share of the slope would hold for steeper views, but a
-/// cap and a side that meet at an edge would no longer agree there.
-const CAP_BIAS: i32 = 64;
-
-/// The same for orthographic depth: a difference of two numbers up to 1 loses no more at one end of a triangle than at the other.
-const ORTHOGRAPHIC_CAP_BIAS: i32 = 24;
-
-fn cap_bias(projection: &Projection) -> i32 {
-    match projection {
-        Projection::Perspective { .. } => CAP_BIAS,
-        Projection::Orthographic { .. } => ORTHOGRAPHIC_CAP_BIAS,
     }
 }
 
@@ -383,7 +320,9 @@ pub fn volume_draws(
         let mut bindings = bindings.clone();
         let mut flags: Vec<&str> = cut_edges.into_iter().collect();
         // Slivers are edges, which lie in no plane of their own.
-        let caps = buffers.caps.as_ref().filter(|_| run.how.caps.is_some() && !slivers.contains(&run.start));
+        let is_cap = run.how.caps.is_some() && !slivers.contains(&run.start);
+        let caps = buffers.caps.as_ref().filter(|_| is_cap);
+        let caps = caps.and_then(|caps| Some((caps, caps.first(record)?)));
         if caps.is_some() {
             flags.push(CAPS);
             flags.extend((run.how.caps == Some(Caps::Ahead)).then_some("AHEAD"));
@@ -391,13 +330,13 @@ pub fn volume_draws(
         let (shader, mut state) = counting(run.how, &flags)?;
         state.depth_clamp = volume.clamp_depth;
         let (instance, count) = (volume.caster.index as u32, run.end - run.start);
-        let geometry = if let Some(caps) = caps {
+        let geometry = if let Some((caps, first)) = caps {
             bindings.push((5, Binding::Texture(caps.seen)));
             bindings.push((6, Binding::Storage(caps.corners)));
-            let first = caps.first[record as usize] + run.start - indices.caps().start as u32;
+            let first = first + run.start - indices.caps().start as u32;
             Geometry::Numbered { shader, instance, first, count, record }
         } else {
-            state.depth_bias = run.how.depth_bias(buffers.cap_bias);
+            state.depth_bias = run.how.depth_bias(buffers.cap_bias[record as usize]);
             let (indices, first) = (buffers.index_slot, first + run.start);
             Geometry::Indexed { shader, instance, indices, first, count, record }
         };
