@@ -46,7 +46,7 @@ use crate::common::culling::{near_plane_may_be_shadowed, shows_its_inside};
 use crate::common::extrusion::{End, end_beyond, end_plane};
 use crate::common::layer_groups::{Caster, MAX_COUNT, group_by_layers};
 use crate::common::masked;
-use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
+use crate::common::volume::{Begin, CastShape, CasterFacing, Half, Weights};
 use crate::common::volume_draws::{Volume, begin_of, falls_on_itself, upload};
 use draws::{Counter, Fold, counting_draws, fold_pass};
 pub(crate) use float_counts::Layers;
@@ -176,6 +176,16 @@ enum Reach {
     BeyondShadow,
 }
 
+impl Reach {
+    /// Where volumes begin. Areas are added to layers where the sides are that bound them.
+    fn begin(self, begin: Begin) -> Begin {
+        match (self, begin) {
+            (Self::BeyondShadow, Begin::AheadOfSlanted) => Begin::Behind,
+            _ => begin,
+        }
+    }
+}
+
 /// The volumes of a light's casters.
 struct Volumes<'a> {
     volumes: Vec<Volume<'a>>,
@@ -239,7 +249,7 @@ impl ShadowVolumeHard {
             volumes.push(Volume {
                 hidden_caps_count: single_sided && !hides_itself,
                 falls_on_itself: falls_on_itself(light),
-                begin: begin_of(light, half),
+                begin: reach.begin(begin_of(light, half)),
                 caster: Caster { index, instance, shape, key, facing },
                 z_fail,
                 end: self.end(light, instance)?,

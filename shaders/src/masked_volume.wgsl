@@ -46,11 +46,12 @@ struct MaskedCaster {
 @fragment
 fn darken(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let depth = textureLoad(receiver_depth, vec2u(position.xy), 0);
+    let receiver = receiver_at(position.xy, depth);
     // Depth is reversed: 0 is infinitely far, where nothing is.
     if depth == 0.0 {
         discard;
     }
-    if !is_dark(receiver_at(position.xy, depth)) {
+    if !is_dark(receiver) {
         discard;
     }
     return vec4f(0.0);

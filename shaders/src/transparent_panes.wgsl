@@ -47,11 +47,12 @@ struct PaneCaster {
 @fragment
 fn tint(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let depth = textureLoad(receiver_depth, vec2u(position.xy), 0);
+    let receiver = receiver_at(position.xy, depth);
     // Depth is reversed: 0 is infinitely far, where nothing is.
     if depth == 0.0 {
         discard;
     }
-    let passing = passing_all(receiver_at(position.xy, depth));
+    let passing = passing_all(receiver);
     if all(passing == vec3f(1.0)) {
         discard;
     }

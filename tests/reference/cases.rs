@@ -117,8 +117,6 @@ const IDS: &[&str] = &[
     "glass-on-box",
     "glass-on-glass",
     "coincident-panes",
-    "folded-glass",
-    "leaf-on-floor",
     "wide-band",
     "room-through-culled-walls",
     "inward-shell",
@@ -139,6 +137,8 @@ const IDS: &[&str] = &[
     "soft-lamp-in-floor",
     "lamp-in-far-plane",
     "ortho-lamp-beside",
+    "folded-glass",
+    "leaf-on-floor",
 ];
 
 fn primary_ray(camera: &CameraSnapshot, size_px: [u32; 2], ndc: [f64; 2]) -> (DVec3, DVec3) {

@@ -51,18 +51,6 @@ pub(super) const ROWS: &[CaseEntry] = &[
         "each counts",
         touching_glass::coincident_panes,
     )),
-    glassy(row(
-        "folded-glass",
-        "next to their fold, less is between two panes than depths in one plane may differ by",
-        "the nearer pane tints the other up to the fold",
-        touching_glass::folded_glass,
-    )),
-    row(
-        "leaf-on-floor",
-        "holes in the plane they lie in, where the picture's edge cuts the floor",
-        OWN_PLANE,
-        masks::leaf_on_floor,
-    ),
     row(
         "wide-band",
         "the band of what is ambiguous swallows the error",
@@ -166,5 +154,18 @@ pub(super) const ROWS: &[CaseEntry] = &[
         "volumes scaled about a lamp next to their caster have no end",
         "exact",
         beside::ortho_lamp_beside,
+    ),
+    // Depths that a plane decides.
+    glassy(row(
+        "folded-glass",
+        "next to their fold, less is between two panes than depths in one plane may differ by",
+        "the nearer pane tints the other up to the fold",
+        touching_glass::folded_glass,
+    )),
+    row(
+        "leaf-on-floor",
+        "holes in the plane they lie in, where the picture's edge cuts the floor",
+        OWN_PLANE,
+        masks::leaf_on_floor,
     ),
 ];

@@ -6,7 +6,7 @@ use shadowgraph_engine::math::Projection;
 use shadowgraph_engine::plan::{BufferDesc, Resource};
 use shadowgraph_engine::shadow::{LightContext, PassList, hash_of};
 
-use super::coplanar::lies_on_glass;
+use super::coplanar::casters_on_glass;
 use super::volume::{CastShape, VolumeIndices};
 use super::volume_draws::Volume;
 
@@ -22,26 +22,38 @@ pub(super) enum OwnPlane {
 }
 
 impl OwnPlane {
-    /// Layers of transparent surfaces, which are lit from behind as well, have their planes asked where triangles lie in one plane:
-    /// next to the fold between two panes less is between them than depths in one plane differ by.
-    ///
-    /// So have opaque surfaces before caps that are in no depth buffer, under an orthographic eye. Next to where the picture's
-    /// edges cut a floor, a rasteriser's depth is off by what it changes over half the 1/256 pixel on which corners lie, which is
-    /// more than roundings where the view is steep; and a depth bias with that share of the slope loses what a fold's
-    /// nearer side casts on the other. (Under a perspective eye neither was found in some ten thousand scenes.)
-    pub(super) fn of(light: &LightContext<'_>, volume: &Volume<'_>) -> Self {
-        let one_sample = light.view.samples == 1;
-        if light.layer().is_some() {
-            return match lies_on_glass(light, volume.caster.instance) {
-                false => Self::Empty,
-                true if one_sample => Self::Planes,
-                true => Self::Depth,
-            };
+    /// For each of the volumes.
+    pub(super) fn of_each<'a>(
+        light: &LightContext<'_>,
+        volumes: impl Iterator<Item = &'a Volume<'a>>,
+    ) -> Vec<Self> {
+        let on_glass = light.layer().map(|_| casters_on_glass(light));
+        let of_one = |volume: &Volume<'_>| match &on_glass {
+            Some(on_glass) => Self::on_layer(light, on_glass.contains(&volume.caster.index)),
+            None => Self::on_opaque(light, volume),
+        };
+        volumes.map(of_one).collect()
+    }
+
+    /// Layers of transparent surfaces are lit from behind as well, and next to the fold between two panes less is between them than
+    /// depths in one plane differ by: planes tell, where triangles lie in one.
+    fn on_layer(light: &LightContext<'_>, lies_on_glass: bool) -> Self {
+        match lies_on_glass {
+            false => Self::Empty,
+            true if light.view.samples == 1 => Self::Planes,
+            true => Self::Depth,
         }
+    }
+
+    /// Depth tells it of opaque surfaces, but before caps that are in no depth buffer, under an orthographic eye. Next to where the
+    /// picture's edges cut a floor, a rasteriser's depth is off by what it changes over half the 1/256 pixel on which corners lie,
+    /// which is more than roundings where the view is steep; and a depth bias with that share of the slope loses what a fold's
+    /// nearer side casts on the other. (Under a perspective eye neither was found in some ten thousand scenes.)
+    fn on_opaque(light: &LightContext<'_>, volume: &Volume<'_>) -> Self {
         let is_orthographic = matches!(light.view.camera.projection, Projection::Orthographic { .. });
         let is_capped = matches!(volume.caster.shape, CastShape::Capped(_));
         let hidden = volume.hidden_caps_count || volume.falls_on_itself || is_capped;
-        if is_orthographic && hidden && one_sample { Self::Planes } else { Self::Depth }
+        if is_orthographic && hidden && light.view.samples == 1 { Self::Planes } else { Self::Depth }
     }
 }
 

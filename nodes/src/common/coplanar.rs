@@ -1,5 +1,8 @@
 //! Which casters have triangles in the very plane of what they may cast on. Few scenes have any, and only there must planes be asked.
 
+use std::collections::HashSet;
+use std::sync::Arc;
+
 use glam::{DVec2, DVec3};
 use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::scene::Instance;
@@ -12,20 +15,33 @@ const ROUNDING: f64 = 1e-6;
 /// Planes that are turned against each other by more are told apart by depth.
 const SAME_DIRECTION: f64 = 1.0 / 256.0;
 
-/// Whether a triangle of `caster` lies in the plane of a transparent triangle of the scene and next to it there, or over it. Kept
-/// until one of the two moves.
-pub(super) fn lies_on_glass(light: &LightContext<'_>, caster: &Instance) -> bool {
-    let glass = light.snapshot.instances.iter().filter(|instance| has_glass(instance));
-    glass.into_iter().any(|receiver| {
-        let margin = margin_m(caster, receiver);
-        caster.world_bounds.expanded(margin).overlaps(&receiver.world_bounds) && {
-            let key = hash_of(("coplanar", caster.pose_key, receiver.pose_key));
-            let is_own = std::ptr::eq(caster, receiver);
-            *light.cache.get_or_compute("coplanar", hash_of((key, is_own)), || {
-                share_a_plane(caster, receiver, is_own, margin)
-            })
-        }
+/// The casters, by their numbers in the snapshot, of which a triangle lies in the plane of a transparent triangle of the scene and
+/// touches it there. Kept until something moves; of two that did not it is not asked again.
+pub(super) fn casters_on_glass(light: &LightContext<'_>) -> Arc<HashSet<usize>> {
+    let instances = &light.snapshot.instances;
+    let keys: Vec<_> = instances.iter().map(key_of).collect();
+    light.cache.get_or_compute("casters on glass", hash_of(&keys), || {
+        let glass: Vec<&Instance> = instances.iter().filter(|instance| has_glass(instance)).collect();
+        let lies_on_some = |caster: &Instance| glass.iter().any(|receiver| lies_on(light, caster, receiver));
+        (0..instances.len()).filter(|number| lies_on_some(&instances[*number])).collect()
     })
+}
+
+/// Whether a triangle of `caster` and a transparent one of `receiver` lie in one plane and touch.
+fn lies_on(light: &LightContext<'_>, caster: &Instance, receiver: &Instance) -> bool {
+    let margin_m = margin_m(caster, receiver);
+    if !caster.world_bounds.expanded(margin_m).overlaps(&receiver.world_bounds) {
+        return false;
+    }
+    let is_own = std::ptr::eq(caster, receiver);
+    let key = hash_of((caster.pose_key, key_of(receiver), is_own));
+    *light.cache.get_or_compute("coplanar", key, || share_a_plane(caster, receiver, is_own, margin_m))
+}
+
+/// Where an instance is, and which of its parts are transparent.
+fn key_of(instance: &Instance) -> u64 {
+    let glass: Vec<bool> = instance.materials.iter().map(|material| material.is_transparent()).collect();
+    hash_of((instance.pose_key, glass))
 }
 
 fn has_glass(instance: &Instance) -> bool {

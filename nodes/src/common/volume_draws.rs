@@ -154,9 +154,9 @@ pub fn upload(
         let (key, contents) = (hash_of(("cut vertices", bytes)), Arc::new(bytes.to_vec()));
         out.buffer(BufferDesc::storage(&format!("cut vertices of {name}"), key, contents, &reason))
     });
-    let own_planes = groups.iter().flatten().map(|member| OwnPlane::of(light, &volumes[member.caster]));
+    let own_planes = OwnPlane::of_each(light, groups.iter().flatten().map(|member| &volumes[member.caster]));
     let own_planes: Vec<_> =
-        own_planes.zip(&indices).map(|(own, (_, runs))| (own, Arc::clone(runs))).collect();
+        own_planes.into_iter().zip(&indices).map(|(own, (_, runs))| (own, Arc::clone(runs))).collect();
     let cap_bias = own_planes.iter().map(|(own, _)| cap_bias(&light.view.camera.projection, *own)).collect();
     let caps = CapPlanes::new(light, out, &own_planes);
     Buffers { index_slot, records, cuts, indices, cap_bias, caps }

@@ -73,15 +73,19 @@ struct Receiver {
     depth: f32,
     // From the eye, along the axes of the world.
     p: vec3f,
+    // The direction in which its surface faces, as far as the pixels next to it tell.
+    normal: vec3f,
 }
 
 fn world_from_view(d: vec3f) -> vec3f {
     return lists_seen.world_x * d.x + lists_seen.world_y * d.y + lists_seen.world_z * d.z;
 }
 
-// The visible point of a pixel that is not empty.
+// The visible point of a pixel that is not empty. Pixels ask it together, as derivatives are.
 fn receiver_at(pixel: vec2f, depth: f32) -> Receiver {
-    return Receiver(pixel, depth, world_from_view(view_from_pixel(pixel, depth)));
+    let p = world_from_view(view_from_pixel(pixel, depth));
+    let normal = cross(dpdx(p), dpdy(p));
+    return Receiver(pixel, depth, p, normal / max(length(normal), 1e-37));
 }
 
 // The cells of one plane in which a receiver may be seen: columns and rows, the last included.
@@ -132,6 +136,8 @@ fn inside_edges(cone: ListedCone, from_center: vec3f) -> vec3f {
 // A rasteriser's corners lie on a grid of 1/256 pixel, and where it cuts a triangle at the picture's edges the new ones do as well:
 // the plane of its depths may be beside the surface by half of that.
 const SNAP_PX: f32 = 0.001953125;
+// What is turned against a triangle by more does not lie in its plane.
+const SAME_DIRECTION: f32 = 0.015625;
 
 // Whether a receiver lies strictly behind a triangle through `corner` (from the eye), wherever within the uncertainty of
 // its depth it is: else it may lie on the triangle itself.
@@ -140,7 +146,9 @@ fn is_behind(receiver: Receiver, corner: vec3f, away: vec3f) -> bool {
     let seen = view_from_pixel(receiver.pixel, receiver.depth);
     let step = world_from_view(deeper(receiver.pixel, receiver.depth) - seen);
     let away_in_view = vec3f(dot(away, lists_seen.world_x), dot(away, lists_seen.world_y), dot(away, lists_seen.world_z));
-    let beside = abs(view_from_pixel(receiver.pixel + vec2f(SNAP_PX), receiver.depth) - seen);
+    let turned = cross(away, receiver.normal);
+    let snap_px = select(0.0, SNAP_PX, dot(turned, turned) <= SAME_DIRECTION * SAME_DIRECTION);
+    let beside = abs(view_from_pixel(receiver.pixel + vec2f(snap_px), receiver.depth) - seen);
     let uncertain = abs(dot(away, step)) * depth_loss(seen, away_in_view) + dot(abs(away_in_view.xy), beside.xy)
         + ROUNDING * (length(receiver.p) + length(corner));
     return height > uncertain;
