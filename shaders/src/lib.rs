@@ -52,6 +52,7 @@ modules![
     "common/triangle_plane",
     "common/volume",
     "common/volume_caps",
+    "common/volume_faces",
     "darken_picture",
     "layer_images",
     "masked_volume",

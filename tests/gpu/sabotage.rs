@@ -135,7 +135,7 @@ fn a_shifted_mask() {
                 let pixel = "vec4f(v.clip.w * 2.0 / 256.0, 0.0, 0.0, 0.0)";
                 let shifted = format!(
                     "{helper}\n{entry} -> Varyings {{\n  let v = unshifted(index, volume);\n  \
-                     return Varyings(v.clip + {pixel});\n}}\n"
+                     return Varyings(v.clip + {pixel}, v.volume);\n}}\n"
                 );
                 shader.source = shifted.into();
                 shader.name = "shifted".into();

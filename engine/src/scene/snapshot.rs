@@ -163,10 +163,8 @@ impl CameraSnapshot {
             && !world_bounds.is_empty()
         {
             let view_from_world = self.world_from_view.inverse();
-            let depths = world_bounds.corners().map(|corner| -view_from_world.transform_point3(corner).z);
-            let (nearest_m, farthest_m) = depths
-                .iter()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), m| (low.min(*m), high.max(*m)));
+            let in_view = world_bounds.transformed(&view_from_world);
+            let (nearest_m, farthest_m) = (-in_view.max.z, -in_view.min.z);
             // What is nearest is not to be cut off by a rounding, and what is farthest not to have the depth of where nothing is.
             let margin_m = (farthest_m - nearest_m) / 64.0;
             let (start_m, end_m) = (near_m.max(nearest_m - margin_m), far_m.min(farthest_m + margin_m));

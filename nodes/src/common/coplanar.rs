@@ -8,6 +8,8 @@ use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::scene::Instance;
 use shadowgraph_engine::shadow::{LightContext, hash_of};
 
+use super::parting::partings;
+
 /// More triangles than this are not compared with each other: they count as if some lay in one plane.
 const MAX_TRIANGLES: usize = 20_000;
 /// What f32 loses of a mesh's corners, relative to its radius: some roundings.
@@ -134,30 +136,23 @@ fn touch_in_plane(a: &Flat, b: &Flat, shared: usize, margin_m: f64) -> bool {
     let flat = |corner: DVec3| DVec2::new(x_axis.dot(corner), y_axis.dot(corner));
     let (p, q) = (a.corners.map(flat), b.corners.map(flat));
     // Convex shapes are apart if an edge of one parts them.
-    for (own, other) in [(&p, &q), (&q, &p)] {
-        for (from, to) in [(0, 1), (1, 2), (2, 0)] {
-            let across = (own[to] - own[from]).perp().normalize_or_zero();
-            let height = |corner: &DVec2| across.dot(*corner - own[from]);
-            let inwards =
-                own.iter().map(height).fold(0.0_f64, |most, h| if h.abs() > most.abs() { h } else { most });
-            let beyond = other.each_ref().map(|corner| -height(corner) * inwards.signum());
-            let nearest_m = beyond.into_iter().fold(f64::INFINITY, f64::min);
-            if nearest_m > margin_m {
-                return false;
-            }
-            if nearest_m < -margin_m || shared == 0 {
-                continue;
-            }
-            // The corners on the edge's line, and how much of the edge they cover.
-            let along = (own[to] - own[from]).normalize_or_zero();
-            let on_line = other.iter().zip(beyond).filter(|(_, distance_m)| distance_m.abs() <= margin_m);
-            let places: Vec<f64> = on_line.map(|(corner, _)| along.dot(*corner - own[from])).collect();
-            let first = places.iter().copied().fold(f64::INFINITY, f64::min).max(0.0);
-            let last =
-                places.iter().copied().fold(f64::NEG_INFINITY, f64::max).min(own[from].distance(own[to]));
-            if places.len() <= shared || last - first <= margin_m {
-                return false;
-            }
+    let both = [(p, q), (q, p)].into_iter();
+    for (other, edge) in both.flat_map(|(own, other)| partings(own, other).map(move |edge| (other, edge))) {
+        let gap_m = edge.gap_m();
+        if gap_m > margin_m {
+            return false;
+        }
+        if gap_m < -margin_m || shared == 0 {
+            continue;
+        }
+        // The corners on the edge's line, and how much of the edge they cover.
+        let along = (edge.to - edge.from).normalize_or_zero();
+        let on_line = other.iter().zip(edge.beyond_m).filter(|(_, beyond_m)| beyond_m.abs() <= margin_m);
+        let places: Vec<f64> = on_line.map(|(corner, _)| along.dot(*corner - edge.from)).collect();
+        let first = places.iter().copied().fold(f64::INFINITY, f64::min).max(0.0);
+        let last = places.iter().copied().fold(f64::NEG_INFINITY, f64::max).min(edge.from.distance(edge.to));
+        if places.len() <= shared || last - first <= margin_m {
+            return false;
         }
     }
     true

@@ -16,6 +16,7 @@ pub mod light_views;
 pub mod map_casters;
 pub mod mask_vertices;
 pub mod masked;
+pub mod parting;
 pub mod ray_candidates;
 pub mod screen_bounds;
 pub mod shadow_maps;

@@ -7,6 +7,7 @@ use glam::DVec2;
 use shadowgraph_engine::scene::SceneSnapshot;
 
 use super::receivers::Receiver;
+use crate::common::parting::partings;
 
 /// Triangles that lie on each other by less than this share of the receiver's extent only touch: far more than f64 leaves
 /// of an edge that two share, far less than any pixel.
@@ -72,21 +73,9 @@ impl Flattened {
         (b - a).perp_dot(c - a).abs() > touching * longest
     }
 
+    // Only triangles that cover something are asked, so no edge is a point.
     fn is_parted_from(&self, other: &Self, touching: f64) -> bool {
-        let [a, b, c] = self.corners;
-        [(a, b), (b, c), (c, a)].into_iter().any(|(from, to)| {
-            // Only triangles that cover something are asked, so no edge is a point.
-            let Some(across) = (to - from).perp().try_normalize() else { return true };
-            let reach = |corners: &[DVec2; 3]| {
-                let along = corners.map(|corner| across.dot(corner - from));
-                (
-                    along.into_iter().fold(f64::INFINITY, f64::min),
-                    along.into_iter().fold(f64::NEG_INFINITY, f64::max),
-                )
-            };
-            let (own, others) = (reach(&self.corners), reach(&other.corners));
-            own.1 <= others.0 + touching || others.1 <= own.0 + touching
-        })
+        partings(self.corners, other.corners).any(|edge| edge.gap_m() >= -touching)
     }
 }
 

@@ -57,12 +57,19 @@ fn moved_nearer(clip: vec4f, share: f32) -> vec4f {
     return vec4f(clip.xy, clip.z + depth_unit * share, clip.w);
 }
 
+#if CUT_EDGES
+// The cut vertex that has this number; any, if none has.
+fn cut_vertex(vertex: u32, volume: Volume) -> CutVertex {
+    return cut_vertices[select(0u, volume.first_cut + vertex - FIRST_CUT, vertex >= FIRST_CUT)];
+}
+#endif
+
 // A vertex of a volume in local space.
 fn volume_vertex(vertex: u32, volume: Volume) -> vec3f {
 #if CUT_EDGES
     let is_cut = vertex >= FIRST_CUT;
-    let cut = cut_vertices[select(0u, volume.first_cut + vertex - FIRST_CUT, is_cut)];
-    return select(local_position(select(vertex, 0u, is_cut)), cut.position, is_cut);
+    let own = local_position(select(vertex, 0u, is_cut));
+    return select(own, cut_vertex(vertex, volume).position, is_cut);
 #else
     return local_position(vertex);
 #endif
@@ -85,9 +92,7 @@ fn volume_clip(index: u32, volume_index: u32) -> vec4f {
     // The direction in which the vertex is extruded: w·v − l.
     var away = (p * volume.light_high.w - volume.light_high.xyz) - volume.light_low.xyz;
 #if CUT_EDGES
-    let is_cut = vertex >= FIRST_CUT;
-    let cut = cut_vertices[select(0u, volume.first_cut + vertex - FIRST_CUT, is_cut)];
-    away = select(away, cut.away, is_cut);
+    away = select(away, cut_vertex(vertex, volume).away, vertex >= FIRST_CUT);
 #endif
     let away_in_view = view_direction_from_local(volume.instance, away);
     if volume.end_kind == 0u {
