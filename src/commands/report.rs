@@ -29,7 +29,7 @@ pub(crate) struct ReportArgs {
     /// minutes on two cores with the software driver, with --quick under one.
     #[arg(long, conflicts_with_all = ["scenes", "full", "parts", "plot", "references", "outside_files", "memory"])]
     papers: bool,
-    /// Smaller frames, fewer sizes, and on the own scenes defaults only: about three minutes on two cores with the software driver.
+    /// Smaller frames, fewer sizes, and on the own scenes defaults only: under two minutes on two cores with the software driver.
     #[arg(long, conflicts_with = "full")]
     pub(super) quick: bool,
     /// Every setting everywhere, 4K and the largest sizes.

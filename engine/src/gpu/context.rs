@@ -1,10 +1,11 @@
 //! Choosing an adapter and opening a device on it.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use thiserror::Error;
 
 use super::PixelsError;
+use super::pipelines::Pipelines;
 use crate::plan::ShaderError;
 use crate::scene::{Material, SurfaceFunction};
 
@@ -102,6 +103,7 @@ pub struct Gpu {
     pub multisampled: Arc<[wgpu::TextureFormat]>,
     /// The most bytes a frame may have on the GPU; more is refused before anything is allocated.
     pub budget_bytes: u64,
+    pipelines: Arc<Mutex<Pipelines>>,
     errors: Arc<Mutex<Vec<wgpu::Error>>>,
     lost: Arc<Mutex<Option<String>>>,
     reopen: Option<Reopen>,
@@ -226,6 +228,7 @@ impl Gpu {
             limits,
             multisampled: multisampled_formats(features).into(),
             budget_bytes: DEFAULT_BUDGET_BYTES,
+            pipelines: Arc::default(),
             errors,
             lost,
             reopen: None,
@@ -304,6 +307,11 @@ impl Gpu {
         let failed =
             |error: wgpu::PollError| GpuError::Device { adapter: self.name(), message: error.to_string() };
         polled.map(|_| ()).map_err(failed)
+    }
+
+    /// What all that draw on this device share.
+    pub(crate) fn pipelines(&self) -> MutexGuard<'_, Pipelines> {
+        self.pipelines.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn error(&self, error: &wgpu::Error) -> GpuError {

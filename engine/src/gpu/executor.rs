@@ -7,11 +7,10 @@ use std::sync::Arc;
 use bytemuck::Zeroable;
 use wgpu::TextureFormat;
 
-use super::bindings::Layouts;
 use super::groups::{PassGroup, group_passes};
 use super::materials::{FEW_LIGHTS, MAX_LIGHTS, Materials};
 use super::meshes::Meshes;
-use super::pipelines::Pipelines;
+use super::pipelines::Addresses;
 use super::readback::Pending;
 use super::{FrameUniform, Gpu, GpuError, InstanceUniform, LightUniform, Pixels};
 use crate::plan::{
@@ -86,12 +85,11 @@ pub struct Executed {
     pub gpu_bytes: u64,
 }
 
-/// Keeps pipelines, meshes, textures and buffers between frames and executes plans.
+/// Keeps meshes, textures and buffers between frames and executes plans; pipelines it shares with others on its device.
 #[derive(Debug)]
 pub struct Executor {
     gpu: Gpu,
-    layouts: Layouts,
-    pipelines: Pipelines,
+    addresses: Addresses,
     meshes: Meshes,
     materials: Materials,
     frame_layout: wgpu::BindGroupLayout,
@@ -145,8 +143,7 @@ impl Executor {
             ],
         });
         Self {
-            layouts: Layouts::default(),
-            pipelines: Pipelines::default(),
+            addresses: Addresses::default(),
             meshes: Meshes::default(),
             materials: Materials::new(&gpu),
             frame_layout,
@@ -252,7 +249,7 @@ impl Executor {
         self.frame += 1;
         self.meshes.begin_frame();
         self.materials.begin_frame();
-        self.pipelines.begin_frame();
+        self.addresses.clear();
         let oldest = self.frame.saturating_sub(KEPT_FRAMES);
         for textures in self.textures.values_mut() {
             textures.retain(|kept| kept.last_used_frame >= oldest);

@@ -1,4 +1,5 @@
-//! Render pipelines by everything that makes them different.
+//! Render pipelines by everything that makes them different, shared by all that draw on one device: compiling one takes as long as
+//! many frames.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -68,24 +69,22 @@ pub(crate) struct Wanted<'a> {
     pub(crate) samples: u32,
 }
 
-/// Pipelines and shader modules made so far.
+/// Pipelines, layouts and shader modules made so far on a device.
 #[derive(Debug, Default)]
 pub(crate) struct Pipelines {
+    pub(crate) layouts: Layouts,
     pipelines: HashMap<Key, wgpu::RenderPipeline>,
     /// Every text met, by itself: two shaders of one name and different texts are two shaders.
     texts: HashMap<Arc<str>, usize>,
     /// The modules of `texts`.
     modules: Vec<wgpu::ShaderModule>,
-    /// The texts of this frame by address, which spares hashing them for every draw.
-    addresses: HashMap<usize, usize>,
 }
 
-impl Pipelines {
-    /// Addresses are those of one plan's shaders, and mean nothing in the next frame.
-    pub(crate) fn begin_frame(&mut self) {
-        self.addresses.clear();
-    }
+/// The numbers of one frame's texts by address, which spares hashing them for every draw. Addresses are those of one plan's
+/// shaders, and mean nothing in the next frame.
+pub(crate) type Addresses = HashMap<usize, usize>;
 
+impl Pipelines {
     /// The pipeline for what is `wanted`.
     ///
     /// # Errors
@@ -93,13 +92,13 @@ impl Pipelines {
     pub(crate) fn get(
         &mut self,
         gpu: &Gpu,
-        layouts: &mut Layouts,
+        addresses: &mut Addresses,
         frame_layout: &wgpu::BindGroupLayout,
         material_layout: &wgpu::BindGroupLayout,
         wanted: &Wanted<'_>,
     ) -> Result<wgpu::RenderPipeline, GpuError> {
         let Wanted { shader, state, .. } = wanted;
-        let text = self.text(gpu, &shader.name, &shader.source)?;
+        let text = self.text(gpu, addresses, &shader.name, &shader.source)?;
         // Blending is not part of targets that cannot blend, and the stencil reference is set while drawing.
         let stencil = state.stencil.map(|stencil| Stencil { reference: 0, ..stencil });
         let key = Key {
@@ -122,7 +121,7 @@ impl Pipelines {
         if let Some(pipeline) = self.pipelines.get(&key) {
             return Ok(pipeline.clone());
         }
-        let draw_layout = layouts.get(gpu, wanted.kinds);
+        let draw_layout = self.layouts.get(gpu, wanted.kinds);
         let mut groups = vec![Some(frame_layout), Some(&draw_layout)];
         groups.extend(wanted.with_material.then_some(Some(material_layout)));
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -137,7 +136,7 @@ impl Pipelines {
             None if wanted.targets.is_empty() => None,
             None => {
                 let source = shadowgraph_shaders::compose_named("nothing", &[])?;
-                let text = self.text(gpu, "nothing", &source.into())?;
+                let text = self.text(gpu, addresses, "nothing", &source.into())?;
                 Some((self.modules[text].clone(), "nothing".to_owned()))
             }
         };
@@ -151,9 +150,15 @@ impl Pipelines {
     }
 
     /// The number of a text, compiled if it is new.
-    fn text(&mut self, gpu: &Gpu, name: &str, source: &Arc<str>) -> Result<usize, GpuError> {
+    fn text(
+        &mut self,
+        gpu: &Gpu,
+        addresses: &mut Addresses,
+        name: &str,
+        source: &Arc<str>,
+    ) -> Result<usize, GpuError> {
         let address = source.as_ptr() as usize;
-        if let Some(number) = self.addresses.get(&address) {
+        if let Some(number) = addresses.get(&address) {
             return Ok(*number);
         }
         let number = match self.texts.get(source) {
@@ -173,7 +178,7 @@ impl Pipelines {
                 self.modules.len() - 1
             }
         };
-        self.addresses.insert(address, number);
+        addresses.insert(address, number);
         Ok(number)
     }
 }

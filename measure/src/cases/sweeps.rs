@@ -65,6 +65,8 @@ pub struct Sweep {
     pub option: Option<Swept>,
     /// From which value on steps are [heavy](Case::is_heavy).
     pub heavy_from: f64,
+    /// From which value on a report in small frames leaves steps out.
+    pub slow_from: f64,
     stages: fn() -> Vec<(f64, Stage)>,
 }
 
@@ -145,6 +147,7 @@ const BASE: Sweep = Sweep {
     about: About::Anything,
     option: None,
     heavy_from: f64::INFINITY,
+    slow_from: f64::INFINITY,
     stages: Vec::new,
 };
 
@@ -237,6 +240,7 @@ const SWEEPS: &[Sweep] = &[
         unit: "",
         what_breaks: "counts wrap at multiples of 256 and lose integers above 2048",
         heavy_from: 1000.0,
+        slow_from: 400.0,
         stages: || stages::overlap(counts::boxes),
         ..BASE
     },
@@ -246,6 +250,7 @@ const SWEEPS: &[Sweep] = &[
         unit: "",
         what_breaks: "counts wrap at multiples of 256 and lose integers above 2048",
         heavy_from: 1000.0,
+        slow_from: 400.0,
         stages: || stages::overlap(counts::quads),
         ..BASE
     },
@@ -330,6 +335,7 @@ const SWEEPS: &[Sweep] = &[
         unit: "",
         what_breaks: "logarithms and products lose digits with every layer",
         about: About::Glass,
+        slow_from: 100.0,
         stages: stages::glass_depth,
         ..BASE
     },

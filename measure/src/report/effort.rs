@@ -53,8 +53,8 @@ pub struct Effort {
     pub steps: Steps,
     /// Every how many steps of a sweep are taken; its last always is.
     pub sweep_stride: usize,
-    /// How many times smaller, along each side, a sweep's frames are than its cases say. Where they are smaller, steps that are heavy
-    /// are left out, too.
+    /// How many times smaller, along each side, a sweep's frames are than its cases say. Where they are smaller, steps that are slow
+    /// are left out, too ([`slow_from`](crate::cases::sweeps::Sweep::slow_from)).
     pub sweep_shrink: u32,
     /// Whether scenes try every setting of a technique, or its default only.
     pub scene_settings: bool,
@@ -67,24 +67,24 @@ const fn pace(min_rounds: usize, max_rounds: usize, budget_ms: u64) -> Pace {
 }
 
 impl Effort {
-    /// About three minutes on two cores and the software driver, with defaults only.
+    /// Under two minutes on two cores and the software driver, with defaults only.
     pub const QUICK: Self = Self {
         name: "quick",
-        size_px: [320, 180],
-        soft_size_px: [160, 90],
+        size_px: [256, 144],
+        soft_size_px: [128, 72],
         whole_light_samples: [256, 64],
-        scene_pace: pace(3, 9, 500),
-        pass_frames: 2,
-        axis_size_px: [320, 180],
+        scene_pace: pace(3, 9, 400),
+        pass_frames: 1,
+        axis_size_px: [256, 144],
         axis_pace: pace(3, 9, 200),
         steps: Steps {
             triangles: &[1_000, 3_000, 10_000, 30_000],
             lights: &[1, 2, 4, 8],
             casters: &[1, 8, 32, 128, 256],
-            sizes_px: &[[256, 256], [362, 362], [512, 512], [724, 724]],
+            sizes_px: &[[181, 181], [256, 256], [362, 362], [512, 512]],
         },
         sweep_stride: 8,
-        sweep_shrink: 2,
+        sweep_shrink: 3,
         ..Self::DEFAULT
     };
 

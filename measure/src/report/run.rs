@@ -213,7 +213,7 @@ fn measure_sweep(
     steps: &mut Steps<'_>,
 ) -> SweepReport {
     let mut all = sweep.steps(&Cast::NOBODY);
-    all.retain(|(_, case)| bench.effort.sweep_shrink == 1 || !case.is_heavy);
+    all.retain(|(value, _)| bench.effort.sweep_shrink == 1 || *value < sweep.slow_from);
     let last = all.len().saturating_sub(1);
     let stride = bench.effort.sweep_stride.max(1);
     let taken: Vec<&(f64, Case)> =

@@ -272,8 +272,8 @@ impl Executor {
             depth_format: recording.depth_format,
             samples: recording.samples,
         };
-        let Self { gpu, layouts, pipelines, frame_layout, materials, .. } = self;
-        let pipeline = pipelines.get(gpu, layouts, frame_layout, &materials.layout, &wanted)?;
+        let Self { gpu, addresses, frame_layout, materials, .. } = self;
+        let pipeline = gpu.pipelines().get(gpu, addresses, frame_layout, &materials.layout, &wanted)?;
         render.set_pipeline(&pipeline);
         Ok(())
     }
@@ -354,7 +354,7 @@ impl Executor {
         if let Some(group) = groups.get(&key) {
             return group.clone();
         }
-        let layout = self.layouts.get(&self.gpu, &draw_kinds(scene, draw, surface));
+        let layout = self.gpu.pipelines().layouts.get(&self.gpu, &draw_kinds(scene, draw, surface));
         let mesh: Option<&GpuMesh> = instance.and_then(|instance| self.meshes.get(&instance.mesh));
         let mut entries = Vec::new();
         if let Some(mesh) = mesh {
@@ -370,7 +370,7 @@ impl Executor {
             .iter()
             .filter_map(|(_, binding)| match binding {
                 Binding::Comparison(compare) => {
-                    Some((*compare, self.layouts.comparison(&self.gpu, *compare)))
+                    Some((*compare, self.gpu.pipelines().layouts.comparison(&self.gpu, *compare)))
                 }
                 _ => None,
             })
