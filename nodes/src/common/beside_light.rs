@@ -2,13 +2,15 @@
 //!
 //! From a lamp close over a face, the face's edges span almost half circles, and the face half of all directions. The way
 //! between directions that are all but opposite is then nothing that f32 could tell, and whole regions would be dark or lit by
-//! rounding. So edges are cut where they pass the lamp, and faces right under it: each part is seen under a tame angle, from
-//! however near. What is extruded from a cut, and from corners next to the lamp, is computed in f64 and handed to the shader as
-//! a direction.
+//! rounding. So at their far ends sides are cut where their edges pass the lamp, and far caps right under it as well: each part is
+//! seen under a tame angle, from however near. What is extruded from a cut, and from corners next to the lamp, is computed in f64
+//! and handed to the shader as a direction.
 //!
-//! *Why it cannot leak.* An edge is cut at a place that depends on its ends and the lamp alone, so all triangles and sides at
-//! it are cut there. The parts of a triangle have its sign; between them sides cancel and are not drawn. Front caps stay whole,
-//! for only so have they the very depth of what is seen: slivers close what is between them and the places of the cuts.
+//! *Why it cannot leak.* An edge is cut at a place that depends on its ends and the lamp alone, so far caps and sides at it are
+//! cut there. The parts of a far cap have its triangle's sign; between them sides cancel and are not drawn. Near ends stay whole,
+//! edges and front caps: only so do they begin where what is seen ends, and at its very depth. (Cut there too, they were off by
+//! the rounding of the cut, which slivers closed: of those, depth was whatever the rounding of their three corners made it, and a
+//! pixel in some thousand scenes of strips was dark.)
 
 use std::collections::HashMap;
 
@@ -19,6 +21,7 @@ use shadowgraph_engine::scene::Instance;
 
 use super::extrusion::{BESIDE, End};
 use super::ray_candidates::Layout;
+use super::volume::far;
 use crate::layout;
 
 /// `struct CutVertex` of the shadow volume shaders.
@@ -78,7 +81,37 @@ pub fn distance_to_triangle(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Cuts the edges and triangles of one caster.
+/// A side of a volume, before it is drawn.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Side {
+    /// The ends of the edge that it hangs from.
+    ends: [u32; 2],
+    /// Where the lamp passes that edge, if that is wide.
+    middle: Option<u32>,
+}
+
+impl Side {
+    /// The side of an edge that is seen under a tame angle.
+    pub(super) fn whole(ends: [u32; 2]) -> Self {
+        Self { ends, middle: None }
+    }
+
+    /// The corners of the triangle that has the edge, which begins at `near` corners.
+    pub(super) fn at_edge(self, near: fn(u32) -> u32) -> [u32; 3] {
+        let [p, q] = self.ends;
+        [near(q), near(p), far(self.middle.unwrap_or(p))]
+    }
+
+    /// Those of the others.
+    pub(super) fn beyond(self, near: fn(u32) -> u32) -> impl Iterator<Item = u32> {
+        let [p, q] = self.ends;
+        let at_p = self.middle.map(|middle| [near(p), far(p), far(middle)]);
+        let at_q = [near(q), far(self.middle.unwrap_or(p)), far(q)];
+        at_p.into_iter().chain([at_q]).flatten()
+    }
+}
+
+/// Cuts the far ends of one caster's volume.
 pub(super) struct Cutter<'a> {
     instance: &'a Instance,
     p_in_world: &'a [DVec3],
@@ -171,19 +204,18 @@ impl<'a> Cutter<'a> {
         cut
     }
 
-    /// The vertices along the edge from `p` to `q`.
-    pub(super) fn edge(&mut self, p: u32, q: u32) -> Vec<u32> {
+    /// The side that hangs from the edge from `p` to `q`.
+    pub(super) fn side(&mut self, p: u32, q: u32) -> Side {
         let middle = self.middle(p, q);
-        [Some(self.corner(p)), middle, Some(self.corner(q))].into_iter().flatten().collect()
+        Side { ends: [self.corner(p), self.corner(q)], middle }
     }
 
     /// The triangles that a triangle is cut into, wound as it is; itself where it is not cut.
     pub(super) fn triangle(&mut self, [a, b, c]: [u32; 3]) -> Vec<[u32; 3]> {
         let mut outline = Vec::with_capacity(6);
         for (p, q) in [(a, b), (b, c), (c, a)] {
-            let mut vertices = self.edge(p, q);
-            vertices.pop();
-            outline.append(&mut vertices);
+            let Side { ends: [p, _], middle } = self.side(p, q);
+            outline.extend([Some(p), middle].into_iter().flatten());
         }
         if let Some(foot) = self.foot([a, b, c]) {
             let hub = self.cut(foot);
@@ -194,15 +226,6 @@ impl<'a> Cutter<'a> {
         let hub = outline.iter().position(is_middle).unwrap_or(0);
         outline.rotate_left(hub);
         outline[1..].windows(2).map(|pair| [outline[0], pair[0], pair[1]]).collect()
-    }
-
-    /// What lies between the edges of a triangle, which are straight, and the vertices where they are cut, which are rounded:
-    /// slivers of no width to speak of, wound as the triangle. With them whole triangles close what begins at cut edges.
-    pub(super) fn slivers(&mut self, [a, b, c]: [u32; 3]) -> Vec<[u32; 3]> {
-        [(a, b), (b, c), (c, a)]
-            .into_iter()
-            .filter_map(|(p, q)| self.middle(p, q).map(|middle| [p, middle, q]))
-            .collect()
     }
 
     /// The way from the lamp to the place right under it on a triangle, if that is near and on it.

@@ -9,7 +9,7 @@ use glam::{DVec3, DVec4};
 use shadowgraph_engine::geometry::{Capped, Chain, Topology, facing_signs, restricted_signs};
 use shadowgraph_engine::scene::Instance;
 
-use super::beside_light::{CutVertex, Cutter};
+use super::beside_light::{CutVertex, Cutter, Side};
 use super::extrusion::End;
 use super::front_caps::FrontCaps;
 
@@ -221,11 +221,12 @@ pub enum Begin {
 pub struct SideRun {
     /// What each of them counts.
     pub weight: u32,
-    /// First triangle (q, p, p∞) of every side: all there is of it when both ends meet at infinity.
+    /// The triangle of every side that has its edge: (q, p, p∞), or (q, p, m∞) where it is cut; all there is of it when both
+    /// ends meet at infinity.
     pub near: Range<u32>,
-    /// Second triangle (q, p∞, q∞) of every side.
+    /// The others: (q, p∞, q∞), or (p, p∞, m∞) and (q, m∞, q∞).
     pub far: Range<u32>,
-    /// Both triangles of every side once more, with q and p a little before the caster; empty unless they
+    /// All triangles of every side once more, with q and p a little before the caster; empty unless they
     /// [begin](Begin) there.
     pub ahead: Range<u32>,
 }
@@ -241,9 +242,6 @@ pub struct VolumeIndices {
     pub far_caps: Range<u32>,
     /// Front caps of triangles the light sees from the front, in the mesh's own order of corners.
     pub front_caps: Range<u32>,
-    /// What lies between edges of those caps and the places where they are cut. Where front caps are not drawn, since the
-    /// surface itself stands in for them, its edges are whole as well.
-    pub slivers: Range<u32>,
     /// Front caps of triangles the light sees from behind, in the mesh's own order of corners: they count the other
     /// way round. (Turning the triangle instead could change its depth by a rounding, and caps must equal the
     /// visible surface bit by bit.)
@@ -259,7 +257,7 @@ pub struct VolumeIndices {
 }
 
 impl VolumeIndices {
-    /// Where the caps are among the indices: front caps, slivers and unseen ones, which come last.
+    /// Where the caps are among the indices: front caps and unseen ones, which come last.
     pub fn caps(&self) -> Range<usize> {
         self.front_caps.start as usize..self.indices.len()
     }
@@ -293,14 +291,12 @@ impl VolumeIndices {
         let mut sides = Vec::new();
         for (weight, begin, of_weight) in sides_apart(&chain, weights, begin, (topology, facing)) {
             let of_weight = cut_sides(&mut cutter, of_weight);
-            let near_run =
-                run(&mut |i| of_weight.iter().for_each(|&[p, q]| i.extend([near(q), near(p), far(p)])));
-            let far_run =
-                run(&mut |i| of_weight.iter().for_each(|&[p, q]| i.extend([near(q), far(p), far(q)])));
+            let near_run = run(&mut |i| of_weight.iter().for_each(|side| i.extend(side.at_edge(near))));
+            let far_run = run(&mut |i| of_weight.iter().for_each(|side| i.extend(side.beyond(near))));
             let ahead_run = run(&mut |i| {
                 let of_weight = if begin == Begin::Ahead { &of_weight[..] } else { &[] };
-                of_weight.iter().for_each(|&[p, q]| i.extend([ahead(q), ahead(p), far(p)]));
-                of_weight.iter().for_each(|&[p, q]| i.extend([ahead(q), far(p), far(q)]));
+                of_weight.iter().for_each(|side| i.extend(side.at_edge(ahead)));
+                of_weight.iter().for_each(|side| i.extend(side.beyond(ahead)));
             });
             sides.push(SideRun { weight, near: near_run, far: far_run, ahead: ahead_run });
         }
@@ -316,10 +312,8 @@ impl VolumeIndices {
                 }
             }
         });
-        let FrontCaps { own, slivers, unseen } = FrontCaps::new(instance, shape, &chain, &mut cutter);
-        let [own, own_turned] = own;
-        let [front_caps, slivers, front_caps_turned] =
-            [own, slivers, own_turned].map(|caps| run(&mut |i| i.extend_from_slice(&caps)));
+        let FrontCaps { own, unseen } = FrontCaps::new(instance, shape, &chain);
+        let [front_caps, front_caps_turned] = own.map(|caps| run(&mut |i| i.extend_from_slice(&caps)));
         let [unseen_caps, unseen_caps_turned] = unseen.map(|caps| run(&mut |i| i.extend_from_slice(&caps)));
         Self {
             silhouette_edges: chain.silhouette_edges,
@@ -327,7 +321,6 @@ impl VolumeIndices {
             sides,
             far_caps,
             front_caps,
-            slivers,
             front_caps_turned,
             unseen_caps,
             unseen_caps_turned,
@@ -363,14 +356,13 @@ fn edges_of(topology: &Topology, triangles: &[u32]) -> HashSet<[u32; 2]> {
     edges.map(|[p, q]| [p.min(q), p.max(q)]).collect()
 }
 
-/// The sides with those of cut edges in parts.
-fn cut_sides(cutter: &mut Option<Cutter<'_>>, sides: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
-    let Some(cutter) = cutter else { return sides };
-    let mut parts = Vec::with_capacity(sides.len());
-    for [p, q] in sides {
-        parts.extend(cutter.edge(p, q).windows(2).map(|pair| [pair[0], pair[1]]));
-    }
-    parts
+/// The sides, with the places where the light passes their edges.
+fn cut_sides(cutter: &mut Option<Cutter<'_>>, sides: Vec<[u32; 2]>) -> Vec<Side> {
+    let side = |[p, q]: [u32; 2]| match cutter {
+        Some(cutter) => cutter.side(p, q),
+        None => Side::whole([p, q]),
+    };
+    sides.into_iter().map(side).collect()
 }
 
 /// The parts of a triangle.
@@ -389,7 +381,7 @@ fn near(vertex: u32) -> u32 {
 }
 
 /// A corner at the volume's far end.
-fn far(vertex: u32) -> u32 {
+pub(super) fn far(vertex: u32) -> u32 {
     vertex << 2 | 3
 }
 

@@ -255,9 +255,7 @@ pub fn runs(volume: &Volume<'_>, indices: &VolumeIndices) -> Vec<Run> {
     if volume.z_fail && !meets_at_infinity {
         wanted.push((&indices.far_caps, How::both(1)));
     }
-    let slivers = (&indices.slivers, How::caps(1));
-    let front_caps =
-        [(&indices.front_caps, How::caps(1)), slivers, (&indices.front_caps_turned, How::caps(-1))];
+    let front_caps = [(&indices.front_caps, How::caps(1)), (&indices.front_caps_turned, How::caps(-1))];
     if volume.half == Half::Unlit {
         // The far side of the caster itself is not to be in its shadow: there the view leaves the volume at the very
         // depth of what it sees. Where it enters through a cap, the cap is not seen, and depth needs no care.
@@ -270,9 +268,6 @@ pub fn runs(volume: &Volume<'_>, indices: &VolumeIndices) -> Vec<Run> {
         wanted.extend(front_caps.into_iter().flat_map(entered_and_left));
     } else if volume.z_fail || volume.hidden_caps_count {
         wanted.extend(front_caps);
-    } else {
-        // The surface stands in for its caps, with edges that are not cut.
-        wanted.push(slivers);
     }
     let unseen = [(&indices.unseen_caps, How::caps(1)), (&indices.unseen_caps_turned, How::caps(-1))];
     if volume.falls_on_itself {
@@ -281,13 +276,9 @@ pub fn runs(volume: &Volume<'_>, indices: &VolumeIndices) -> Vec<Run> {
         wanted.extend(unseen);
     }
     let mut joined: Vec<Run> = Vec::new();
-    // Slivers stay apart: they have no planes.
-    let apart = [indices.slivers.start, indices.slivers.end];
     for (range, how) in wanted {
         match joined.last_mut() {
-            Some(last) if last.end == range.start && last.how == how && !apart.contains(&last.end) => {
-                last.end = range.end;
-            }
+            Some(last) if last.end == range.start && last.how == how => last.end = range.end,
             _ => joined.push(Run { start: range.start, end: range.end, how }),
         }
     }
@@ -315,13 +306,10 @@ pub fn volume_draws(
     let cuts = buffers.cuts.map(|cuts| (CUTS_BINDING, Binding::Storage(cuts)));
     let bindings: Vec<_> = [(1, Binding::Storage(buffers.records))].into_iter().chain(cuts).collect();
     let (first, indices) = &buffers.indices[record as usize];
-    let slivers = &indices.slivers;
     let draw = |run: Run| {
         let mut bindings = bindings.clone();
         let mut flags: Vec<&str> = cut_edges.into_iter().collect();
-        // Slivers are edges, which lie in no plane of their own.
-        let is_cap = run.how.caps.is_some() && !slivers.contains(&run.start);
-        let caps = buffers.caps.as_ref().filter(|_| is_cap);
+        let caps = buffers.caps.as_ref().filter(|_| run.how.caps.is_some());
         let caps = caps.and_then(|caps| Some((caps, caps.first(record)?)));
         if caps.is_some() {
             flags.push(CAPS);
