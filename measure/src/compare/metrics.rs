@@ -13,7 +13,8 @@
 //! light with a size is the mean of the bands of its samples' own shadows (the sum of all pixels' bounds), and compared with
 //! the mean of their boundaries: the rule of hard shadows, sample by sample, averaged. Pixels that the light but grazes
 //! ([`crate::GRAZED`]) do not count for that: they are in the band by whole surfaces, and nothing of the light is seen there. Nor do
-//! those next to which the surface, or a caster in its plane, ends (`reference::ties`): these are edges, by which no shadow may begin.
+//! those next to which the surface, or a caster in its plane, ends (`reference::ties`), and surfaces thinner than a pixel
+//! (`reference::moved`): these are edges, by which no shadow may begin.
 //!
 //! A factor has one channel or three. A coloured one is judged channel by channel, and as a whole by the channel that
 //! differs most at each pixel.

@@ -13,6 +13,7 @@ mod cover;
 mod coverage;
 mod disc;
 mod disc_panes;
+mod far_casters;
 mod forms;
 mod glass;
 mod holes;

@@ -17,6 +17,11 @@
 //! which shadows hang, and shifts are what the moves sideways stand for. So depth is moved by a snap only where the surface
 //! is [thinner than a pixel](thickness_px): there one pixel's ε̄ says nothing of the next one's.
 //!
+//! **Far corners.** Positions are f32 from the eye. Of a corner at distance R they keep what is more than about [`POSITION_LOSS`]·R:
+//! a coordinate's last digit, which a transform's products and sums may cost. That is far less than the snap, but for triangles that
+//! reach far beyond what is seen of them: on a strip of 30 km, seen at a centimetre a pixel, it is a dozen snaps. There all
+//! moves are longer by that much.
+//!
 //! **Its own shadow.** Behind its triangle a point is in that triangle's shadow, which does not count: cap and surface have
 //! the same depth, however it is off. The sides of that shadow have not. Where depth moves a point so far that it comes
 //! out of its own shadow through a side, next to an edge of the triangle, that side is before it or behind it by the snap alone.
@@ -50,6 +55,10 @@ pub(crate) struct Moved<'a> {
     pub(crate) is_tilted: bool,
     /// The side on which the eye is.
     pub(crate) eye_side: i32,
+    /// Where the camera is.
+    pub(super) position: DVec3,
+    /// How far the snap moves a point at its distance, across the view.
+    pub(super) snap_m: f64,
     /// Where casters' surfaces in its plane end, as far as anybody has looked.
     pub(crate) rims: Vec<Rim<'a>>,
     /// Whether the surface itself ends within the snap, as far as anybody has looked.
@@ -80,7 +89,22 @@ impl<'a> Moved<'a> {
                 None => lost = true,
             }
         }
+        let (beside, towards) = view.ray([x + PIXEL_MOVE, y]);
+        let snap_m = (beside - from + (towards - direction) * t).length();
+        let lost_m = lost_m(surface, view.position(), snap_m);
+        let longer = if lost_m > 0.0 { 1.0 + lost_m / snap_m } else { 1.0 };
+        for point in &mut points[1..5] {
+            *point = center + (*point - center) * longer;
+        }
         let depth_moves = depth_moves(surface, view, [x, y], t);
+        let depth_moves = if lost_m > 0.0 {
+            // Off the plane by as much: along the ray, how far depends on the angle.
+            let along = lost_m / surface.normal().normalize_or_zero().dot(direction).abs().max(1e-9);
+            let at = |t: f64| view.depth(t) - view.depth(t - along);
+            [depth_moves[0] - at(t + along).abs(), depth_moves[1] + at(t).abs()]
+        } else {
+            depth_moves
+        };
         let rounding = f64::from(DEPTH_ULPS) * view.depth_ulp(t);
         let is_tilted = depth_moves[0] < -rounding;
         for (point, by) in points[5..].iter_mut().zip(depth_moves) {
@@ -94,7 +118,8 @@ impl<'a> Moved<'a> {
         let mut corners = [center; CORNERS];
         for (index, corner) in corners.iter_mut().enumerate() {
             let sign = |bit: usize| if index >> bit & 1 == 0 { -1.0 } else { 1.0 };
-            let (from, direction) = view.ray([x + sign(0) * PIXEL_MOVE, y + sign(1) * PIXEL_MOVE]);
+            let by = PIXEL_MOVE * longer;
+            let (from, direction) = view.ray([x + sign(0) * by, y + sign(1) * by]);
             let t = surface.plane_parameter(from, direction).filter(|t| *t > 0.0);
             let t = t.map(|t| view.distance_moved(t, depth_moves[index >> 2 & 1]));
             // Where it leads nowhere, single moves are lost too.
@@ -103,7 +128,19 @@ impl<'a> Moved<'a> {
             }
         }
         let eye_side = surface.facing(view.eye);
-        Self { surface, points, corners, lost, is_tilted, eye_side, rims: Vec::new(), at_edge: false }
+        let position = view.position();
+        Self {
+            surface,
+            points,
+            corners,
+            lost,
+            is_tilted,
+            eye_side,
+            position,
+            snap_m,
+            rims: Vec::new(),
+            at_edge: false,
+        }
     }
 
     /// With what lies in its plane.
@@ -125,6 +162,24 @@ impl<'a> Moved<'a> {
 /// How a pixel's centre moves, in pixels.
 pub(crate) const SIDEWAYS: [[f64; 2]; 4] =
     [[-PIXEL_MOVE, 0.0], [PIXEL_MOVE, 0.0], [0.0, -PIXEL_MOVE], [0.0, PIXEL_MOVE]];
+
+/// What f32 loses of a position, as a share of its distance from the eye.
+pub(super) const POSITION_LOSS: f64 = 1.0 / (1 << 23) as f64;
+
+/// What positions lose counts where it is more than this share of how far the snap moves a point.
+const LOSS_COUNTS: f64 = 0.5;
+
+/// Whether what is lost so counts beside moves of `snap_m`.
+pub(super) fn counts(lost_m: f64, snap_m: f64) -> bool {
+    lost_m > LOSS_COUNTS * snap_m
+}
+
+/// How far off the corners of `triangle` may be, where that counts beside moves of `snap_m`; else 0.
+pub(super) fn lost_m(triangle: &Triangle, eye: DVec3, snap_m: f64) -> f64 {
+    let distance = triangle.corners.iter().map(|corner| corner.distance(eye)).fold(0.0, f64::max);
+    let lost_m = POSITION_LOSS * distance;
+    if counts(lost_m, snap_m) { lost_m } else { 0.0 }
+}
 
 /// What is not as thick, in pixels, is tilted by the snap of its corners.
 const THIN_PX: f64 = 1.0;

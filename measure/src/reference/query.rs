@@ -141,6 +141,7 @@ impl Asker<'_> {
         let mut casters = self.query.transparent.iter().chain([&self.query.casters]);
         let uncounted = ambiguous
             && (moved.at_edge
+                || moved.is_tilted
                 || casters.any(|casters| moved.is_at_rim(light, casters))
                 || self.is_grazed(moved, light));
         PixelReference { factor, bounds, tint: tint.as_vec3().to_array(), compared, ambiguous, uncounted }
@@ -225,6 +226,7 @@ impl Query {
         if !ambiguous && !turned_away && facing * moved.eye_side > 0 {
             ambiguous = self.leaves_its_own_shadow(tracer, moved);
         }
+        ambiguous |= !turned_away && tracer.may_miss(moved, light.position, &self.casters);
         let bounds = if ambiguous { [Vec3::ZERO, Vec3::ONE] } else { [factor; 2] };
         Judged { factor, compared, ambiguous, bounds }
     }

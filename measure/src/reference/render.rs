@@ -91,8 +91,8 @@ pub struct LightReference {
     /// Whether the factor changes under the moves of the ambiguity band.
     pub ambiguous: Vec<bool>,
     /// Whether an ambiguous pixel is left out of the band's limit: where the light only grazes the surface
-    /// ([`GRAZED`]), so that its factor is invisible, and where the surface or a caster in its plane ends within the
-    /// snap, which is an edge. Empty where not asked for.
+    /// ([`GRAZED`]), so that its factor is invisible; and where the surface is thinner than a pixel, or it or a caster in its
+    /// plane ends within the snap: there an edge is, whether or not a shadow begins at it. Empty where not asked for.
     pub uncounted: Vec<bool>,
     /// The bounds of ambiguous factors, where the light has a size; without one, an ambiguous factor may be anything
     /// from 0 to 1.

@@ -21,6 +21,11 @@ impl<'a> View<'a> {
         Self { camera, view_from_world, size_px: size_px.map(f64::from), eye: camera.frustum(size_px).eye }
     }
 
+    /// Where the camera is: what positions are taken from.
+    pub(crate) fn position(&self) -> DVec3 {
+        self.camera.world_from_view.translation
+    }
+
     /// The ray through a place of the target, in pixels from its top left corner; its parameter is the distance from
     /// the eye along the axis of view.
     pub(crate) fn ray(&self, [x, y]: [f64; 2]) -> (DVec3, DVec3) {

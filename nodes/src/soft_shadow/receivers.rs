@@ -30,7 +30,8 @@ impl std::fmt::Display for NotPlanar {
             Self::NoArea => write!(f, "has no area, so it lies in no plane of its own"),
             Self::Deviates { deviation_m, accepted_m } => write!(
                 f,
-                "is not planar: it reaches {deviation_m:.3e} m out of its plane (accepted: {accepted_m:.1e} m)"
+                "is not planar: it reaches {deviation_m:.3e} m out of its plane (accepted: {accepted_m:.1e} m); a node \
+                 shades all that its 'receivers' name, everything where it names none"
             ),
         }
     }
