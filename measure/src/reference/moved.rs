@@ -97,16 +97,10 @@ impl<'a> Moved<'a> {
             *point = center + (*point - center) * longer;
         }
         let depth_moves = depth_moves(surface, view, [x, y], t);
-        let depth_moves = if lost_m > 0.0 {
-            // Off the plane by as much: along the ray, how far depends on the angle.
-            let along = lost_m / surface.normal().normalize_or_zero().dot(direction).abs().max(1e-9);
-            let at = |t: f64| view.depth(t) - view.depth(t - along);
-            [depth_moves[0] - at(t + along).abs(), depth_moves[1] + at(t).abs()]
-        } else {
-            depth_moves
-        };
         let rounding = f64::from(DEPTH_ULPS) * view.depth_ulp(t);
         let is_tilted = depth_moves[0] < -rounding;
+        let [deeper, nearer] = lost_depth(surface, view, (direction, t), lost_m);
+        let depth_moves = [depth_moves[0] - deeper, depth_moves[1] + nearer];
         for (point, by) in points[5..].iter_mut().zip(depth_moves) {
             let t = view.distance_moved(t, by);
             if t.is_finite() && t > 0.0 {
@@ -179,6 +173,17 @@ pub(super) fn lost_m(triangle: &Triangle, eye: DVec3, snap_m: f64) -> f64 {
     let distance = triangle.corners.iter().map(|corner| corner.distance(eye)).fold(0.0, f64::max);
     let lost_m = POSITION_LOSS * distance;
     if counts(lost_m, snap_m) { lost_m } else { 0.0 }
+}
+
+/// How much depth changes, away from the eye and towards it, where a surface lies `lost_m` beside its plane; the ray that sees it
+/// has this direction and distance.
+fn lost_depth(surface: &Triangle, view: &View<'_>, (direction, t): (DVec3, f64), lost_m: f64) -> [f64; 2] {
+    if lost_m == 0.0 {
+        return [0.0; 2];
+    }
+    let along = lost_m / surface.normal().normalize_or_zero().dot(direction).abs();
+    let nearer = if along < t { view.depth(t - along) - view.depth(t) } else { f64::INFINITY };
+    [view.depth(t) - view.depth(t + along), nearer]
 }
 
 /// What is not as thick, in pixels, is tilted by the snap of its corners.
