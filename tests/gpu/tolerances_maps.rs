@@ -29,7 +29,6 @@ pub(crate) const WIDE_BAND: Group = &[("wide-band", map_texels(0.13, 0.001, 0.41
 pub(crate) const LONG_TEXELS: Group = &[
     ("strip-500m", map_texels(0.008, 0.006, 0.13)),
     ("strip-5km", map_texels(0.13, 0.014, 0.41)),
-    ("road-50km", map_texels(0.002, 0.001, 0.08)),
     ("grazing-sun", map_texels(0.001, 0.001, 0.12)),
     ("grazing-lamp", map_texels(0.035, 0.001, 0.22)),
 ];
