@@ -13,7 +13,7 @@ use std::ops::Range;
 use std::time::Duration;
 
 use glam::swizzles::Vec4Swizzles;
-use glam::{DVec3, Vec3A, Vec4};
+use glam::{DVec3, DVec4, Vec3A, Vec4};
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
@@ -179,6 +179,12 @@ impl Bvh {
     /// Whether a ray may be `thickness_m` thick.
     pub(crate) fn takes_thickness(&self, thickness_m: f64) -> bool {
         thickness_m * self.scale <= MAX_THICKNESS
+    }
+
+    /// The way from `point` to `light`, (position, 1) or (direction towards it, 0), as [`Bvh::ray`] has it.
+    pub(crate) fn way_to_light(&self, point: DVec3, light: DVec4, thickness_m: f64) -> Option<BoxRay> {
+        let t_max = if light.w == 0.0 { f64::INFINITY } else { 1.0 };
+        self.ray(point, light.truncate() - point * light.w, 0.0..t_max, thickness_m)
     }
 
     /// The ray `from + t·direction`, t in `range`, with everything within `thickness_m` of it along each axis; `None`

@@ -23,12 +23,11 @@ impl Tracer<'_> {
         if !counts(most_m, moved.snap_m) || !reference.bvh.takes_thickness(2.0 * most_m) {
             return false;
         }
-        let point = moved.points[0];
-        let to_light = light.truncate() - point * light.w;
-        let t_max = if light.w == 0.0 { f64::INFINITY } else { 1.0 };
-        let Some(ray) = reference.bvh.ray(point, to_light, 0.0..t_max, 2.0 * most_m) else { return false };
+        let Some(way) = reference.bvh.way_to_light(moved.points[0], light, 2.0 * most_m) else {
+            return false;
+        };
         let mut differs = false;
-        reference.bvh.walk(&ray, stack, |leaf| {
+        reference.bvh.walk(&way, stack, |leaf| {
             differs |= reference.triangles[leaf].iter().any(|triangle| {
                 triangle.casts
                     && casters.contains(triangle.instance)

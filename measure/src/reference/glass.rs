@@ -205,11 +205,9 @@ impl<'a> Tracer<'a> {
         } else {
             probe.points.iter().enumerate().map(|(index, point)| (*point, 0.0, 1 << index)).collect()
         };
-        let t_max = if probe.light.w == 0.0 { f64::INFINITY } else { 1.0 };
         for (from, thickness_m, wanted) in rays {
-            let to_light = probe.light.truncate() - from * probe.light.w;
-            let Some(ray) = panes.bvh.ray(from, to_light, 0.0..t_max, thickness_m) else { continue };
-            panes.bvh.walk(&ray, &mut self.stack, |leaf| {
+            let Some(way) = panes.bvh.way_to_light(from, probe.light, thickness_m) else { continue };
+            panes.bvh.walk(&way, &mut self.stack, |leaf| {
                 for place in leaf {
                     panes.pass(place, (probe, casters, self.reference.coordinate_m), wanted, &mut tints);
                 }

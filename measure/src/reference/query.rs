@@ -226,7 +226,9 @@ impl Query {
         if !ambiguous && !turned_away && facing * moved.eye_side > 0 {
             ambiguous = self.leaves_its_own_shadow(tracer, moved);
         }
-        ambiguous |= !turned_away && tracer.may_miss(moved, light.position, &self.casters);
+        if !ambiguous && !turned_away {
+            ambiguous = tracer.may_miss(moved, light.position, &self.casters);
+        }
         let bounds = if ambiguous { [Vec3::ZERO, Vec3::ONE] } else { [factor; 2] };
         Judged { factor, compared, ambiguous, bounds }
     }

@@ -227,11 +227,8 @@ impl Tracer<'_> {
         mut blocked: u8,
     ) -> u8 {
         let Self { reference, stack, last_blocker } = self;
-        let w = probe.light.w;
-        let t_max = if w == 0.0 { f64::INFINITY } else { 1.0 };
-        let to_light = probe.light.truncate() - from * w;
-        let Some(ray) = reference.bvh.ray(from, to_light, 0.0..t_max, thickness_m) else { return blocked };
-        reference.bvh.walk(&ray, stack, |leaf| {
+        let Some(way) = reference.bvh.way_to_light(from, probe.light, thickness_m) else { return blocked };
+        reference.bvh.walk(&way, stack, |leaf| {
             for place in leaf {
                 let found = reference.blocked_by(&reference.triangles[place], probe, wanted & !blocked);
                 if found != 0 {

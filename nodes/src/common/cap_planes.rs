@@ -105,8 +105,8 @@ impl CapPlanes {
 /// A triangle that lies in a surface's own plane casts nothing on it. Rasterised from other corners, or in another order, the
 /// same plane has other depths, by some tens of roundings of the largest depth on it: so a cap counts as before what it is
 /// before by more than that. The measures allow for 64; what cap and surface are themselves rounded by must fit in, too. (Of 300
-/// scenes of ties and of glass one is wrong with 16, none with 32; with 56 a fold of 4 degrees lost a pixel.) A bias with a share of the slope would hold for steeper views, but a
-/// cap and a side that meet at an edge would no longer agree there.
+/// scenes of ties and of glass one is wrong with 16, none with 32; with 56 a fold of 4 degrees lost a pixel.) A bias with a share
+/// of the slope would hold for steeper views, but a cap and a side that meet at an edge would no longer agree there.
 const CAP_BIAS: i32 = 48;
 
 /// The same for orthographic depth: a difference of two numbers up to 1 loses no more at one end of a triangle than at the other.
