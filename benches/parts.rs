@@ -8,7 +8,7 @@ use divan::{Bencher, black_box};
 use shadowgraph::demo;
 use shadowgraph::engine::geometry::Topology;
 use shadowgraph::engine::gltf;
-use shadowgraph::engine::render::{Adapter, plan_frame};
+use shadowgraph::engine::render::{Adapter, Planner, plan_frame};
 use shadowgraph::engine::shadow::{Cache, Registry};
 use shadowgraph::measure::{Reference, queries};
 use shadowgraph::prelude::*;
@@ -57,19 +57,41 @@ fn extraction(bencher: Bencher<'_, '_>, name: &str) {
     });
 }
 
-/// A frame in which nothing moved.
-#[divan::bench(args = ["room", "knots", "boxes1k"])]
+/// 4 096 boxes over a floor, under 16 lamps.
+fn crowd() -> (Scene, CameraSnapshot) {
+    let mut scene = Scene::new();
+    let floor = Mesh::new(shapes::plane(Vec2::splat(140.0))).unwrap();
+    scene.add_mesh(floor, Material::default(), DAffine3::IDENTITY);
+    let cuboid = Mesh::new(shapes::cuboid(Vec3::splat(-0.5), Vec3::splat(0.5))).unwrap();
+    let cuboid = MeshNode::new(scene.add_mesh_data(cuboid.into()), scene.add_material(Material::default()));
+    for place in 0..4096 {
+        let at = DVec3::new(f64::from(place % 64) * 2.0 - 63.0, 1.0, f64::from(place / 64) * 2.0 - 63.0);
+        scene.add(None, "box", DAffine3::from_translation(at), Content::Mesh(cuboid.clone()));
+    }
+    for lamp in 0..16 {
+        let at = DVec3::new(f64::from(lamp % 4) * 30.0 - 45.0, 12.0, f64::from(lamp / 4) * 30.0 - 45.0);
+        scene.add_lamp(Light::point(&format!("lamp{lamp}"), 100.0), at);
+    }
+    scene.add_shadow("shadows", ShadowVolumeHard::default());
+    let eye = Camera::perspective("eye", 0.9);
+    (scene, CameraSnapshot::looking(eye, DVec3::new(0.0, 20.0, 80.0), DVec3::ZERO))
+}
+
+/// A frame in which nothing but the eye moved.
+#[divan::bench(args = ["room", "knots", "boxes1k", "crowd"])]
 fn planning(bencher: Bencher<'_, '_>, name: &str) {
-    let (scene, camera) = scene(name);
-    let snapshot = scene.snapshot().unwrap();
-    let registry = Registry::collect(&snapshot, &shadowgraph::nodes::catalog()).unwrap();
-    let request = FrameRequest::new(camera, [1280, 720]);
-    let cache = Cache::new();
+    let (scene, mut camera) = if name == "crowd" { crowd() } else { scene(name) };
+    let mut planner = Planner::new(shadowgraph::nodes::catalog());
+    let turn = DAffine3::from_rotation_y(1e-4);
+    let mut plan = |camera: &CameraSnapshot| {
+        let request = FrameRequest::new(camera.clone(), [1280, 720]);
+        planner.plan(&scene, &request, &Adapter::imagined()).unwrap()
+    };
     // The first frame extracts; that is timed by itself.
-    plan_frame(&snapshot, &registry, &request, &Adapter::imagined(), &cache).unwrap();
+    plan(&camera);
     bencher.bench_local(|| {
-        cache.begin_frame();
-        plan_frame(&snapshot, &registry, &request, &Adapter::imagined(), &cache).unwrap()
+        camera.world_from_view = camera.world_from_view * turn;
+        plan(&camera)
     });
 }
 

@@ -10,7 +10,11 @@
     reason = "a test fails by panicking and reports by printing"
 )]
 
+use std::sync::{Mutex, PoisonError};
+
 use shadowgraph::cases::{self, Case};
+use shadowgraph::demo;
+use shadowgraph::engine::render::{Adapter, Planner};
 use shadowgraph::measure::ReferenceShadow;
 use shadowgraph::prelude::*;
 
@@ -28,12 +32,39 @@ fn resident_kb() -> u64 {
     line.trim().trim_end_matches("kB").trim().parse().unwrap()
 }
 
+/// Held by a test while it looks at what the process has, or takes of it.
+static ALONE: Mutex<()> = Mutex::new(());
+
+#[test]
+fn a_frame_like_the_one_before_is_planned_without_allocating() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    for (name, _, mut scene) in demo::all() {
+        let camera = scene.snapshot().unwrap().cameras[0].clone();
+        let mut planner = Planner::new(shadowgraph_nodes::catalog());
+        let (adapter, mut request) = (Adapter::imagined(), FrameRequest::new(camera, [320, 180]));
+        let first = planner.plan(&scene, &request, &adapter).unwrap();
+        let mut again = None;
+        let asked = allocation_counter::measure(|| again = planner.plan(&scene, &request, &adapter).ok());
+        assert!(asked.count_total == 0 && again.as_ref() == Some(&first), "{name}: {asked:?}");
+        // Whatever changes is planned anew: the request, the adapter, the scene.
+        request.size_px = [321, 180];
+        let wider = planner.plan(&scene, &request, &adapter).unwrap();
+        assert_eq!(wider.size_px, [321, 180], "{name}");
+        let small = Adapter { max_size_px: 64, ..Adapter::imagined() };
+        assert!(planner.plan(&scene, &request, &small).is_err(), "{name}");
+        scene.add_lamp(Light::point("another", 1.0), DVec3::Y);
+        let lamps = planner.plan(&scene, &request, &adapter).unwrap().lights.len();
+        assert_eq!(lamps, wider.lights.len() + 1, "{name}");
+    }
+}
+
 /// Scenes that differ in the shaders they need: one light, several; holes; panes; samples.
 const CASES: [&str; 5] =
     ["light-in-near-plane/", "alpha-mask/face-of-box", "lights-4", "panes-intersecting", "msaa/odd"];
 
 #[test]
 fn a_frame_like_the_one_before_takes_no_more_memory() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let Some(renderer) = shadowgraph_testing::renderer() else { return };
     let mut catalog = shadowgraph_nodes::catalog();
     catalog.register(ReferenceShadow::ENTRY);

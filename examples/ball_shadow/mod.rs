@@ -83,7 +83,11 @@ impl ShadowTechnique for BallShadow {
     }
 
     fn traits(&self) -> Traits {
-        Traits { known_error: "a mesh is taken for the ball around it", ..Traits::default() }
+        Traits {
+            known_error: "a mesh is taken for the ball around it",
+            approximates: true,
+            ..Traits::default()
+        }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {

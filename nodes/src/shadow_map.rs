@@ -44,6 +44,7 @@ impl ShadowTechnique for ShadowMap {
         Traits {
             known_error: "texels: edges are off by up to one, and blurred over as many as pcf says; what is thinner is missed \
                           or too wide, and relief that is finer may shadow itself",
+            approximates: true,
             asks_each_sample: true,
             ..Traits::default()
         }
@@ -68,10 +69,9 @@ impl ShadowTechnique for ShadowMap {
 impl ShadowMap {
     /// The shader that compares so many texels.
     fn shader(&self, flags: &[&str]) -> Result<Shader, ShaderError> {
-        let taps = format!("const TAPS: i32 = {};\n", self.pcf);
-        let source = shadowgraph_shaders::compose_replacing("shadow_map", flags, "common/map_taps", &taps)?;
-        let name = format!("shadow_map of {} texels {}", self.pcf, flags.join(" "));
-        Ok(Shader::of(&name, source, "asking", Some("darken")))
+        let taps = || Ok(format!("const TAPS: i32 = {};\n", self.pcf));
+        let name = ("shadow_map", &*format!("of {} texels", self.pcf));
+        Shader::replacing(name, flags, ("common/map_taps", taps), "asking", Some("darken"))
     }
 
     /// Which triangles of an instance are drawn.

@@ -44,9 +44,10 @@ use shadowgraph_engine::shadow::{
 
 use crate::common::culling::{near_plane_may_be_shadowed, shows_its_inside};
 use crate::common::extrusion::{End, end_beyond, end_plane};
+use crate::common::facing::CasterFacing;
 use crate::common::layer_groups::{Caster, MAX_COUNT, group_by_layers};
 use crate::common::masked;
-use crate::common::volume::{Begin, CastShape, CasterFacing, Half, Weights};
+use crate::common::volume::{Begin, CastShape, Half, Weights};
 use crate::common::volume_draws::{Volume, begin_of, falls_on_itself, upload};
 use draws::{Counter, Fold, counting_draws, fold_pass};
 pub(crate) use float_counts::Layers;
@@ -91,7 +92,7 @@ impl ShadowTechnique for ShadowVolumeHard {
                 concat!(one_darkening!(), "; and ", caps!(), "; and ", rounding!())
             }
         };
-        Traits { known_error, ..Traits::default() }
+        Traits { known_error, approximates: self.closure == Closure::Cap, ..Traits::default() }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
@@ -230,9 +231,8 @@ impl ShadowVolumeHard {
             }
             let position_bits = position.to_array().map(f64::to_bits);
             let key = hash_of((instance.pose_key, position_bits, half, self.closure, &whole));
-            let facing = light
-                .cache
-                .get_or_compute("facing", key, || CasterFacing::new(instance, &shape, position, half));
+            let facing = || CasterFacing::new(light, instance, &shape, half);
+            let facing = light.cache.get_or_compute("facing", key, facing);
             if facing.cast.is_empty() {
                 left_out.push((instance, "every triangle is edge-on to the light"));
                 continue;

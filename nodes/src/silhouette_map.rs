@@ -53,11 +53,12 @@ impl ShadowTechnique for SilhouetteMap {
     fn traits(&self) -> Traits {
         if self.show == Show::Points {
             let known_error = "show=points: discs at the points of silhouettes in place of shadows";
-            return Traits { known_error, asks_each_sample: true, ..Traits::default() };
+            return Traits { known_error, approximates: true, asks_each_sample: true, ..Traits::default() };
         }
         Traits {
             known_error: "one point for each texel: where two outlines pass one, or one bends in it, where casters pass through \
                           one another, and at holes of masks, edges are off by up to a texel",
+            approximates: true,
             asks_each_sample: true,
             ..Traits::default()
         }

@@ -74,6 +74,7 @@ impl ShadowTechnique for SoftShadow {
                           and the other way round; half floats where light passes glass; and rasterisation: pixels whose centre is within 1/256 pixel of a \
                           point's shadow edge",
             light_size: self.light_size(),
+            approximates: self.mode == PlanarMode::Texture,
             casts_transparent: true,
             shades_receivers_only: true,
             ..Traits::default()

@@ -39,10 +39,11 @@ use shadowgraph_engine::shadow::{
 use crate::ShadowVolumeHard;
 use crate::common::culling::near_plane_may_be_shadowed;
 use crate::common::extrusion::end_in_view;
+use crate::common::facing::CasterFacing;
 use crate::common::layer_groups::Caster;
 use crate::common::ray_candidates::Layout;
 use crate::common::screen_bounds::{united, volume_pixels};
-use crate::common::volume::{CastShape, CasterFacing, Half, Weights};
+use crate::common::volume::{CastShape, Half, Weights};
 use crate::common::volume_draws::{Volume, begin_of, falls_on_itself, float_state, upload, volume_draws};
 pub use options::{Accumulate, SelfShadow, TransparentShadow};
 
@@ -80,7 +81,8 @@ impl ShadowTechnique for TransparentShadow {
             SelfShadow::Partial => Layers::First,
             SelfShadow::None => Layers::OpaqueOnly,
         };
-        Traits { known_error, casts_transparent: true, receiver_layers, ..Traits::default() }
+        let approximates = matches!(self.accumulate, Accumulate::Log16 | Accumulate::Product16);
+        Traits { known_error, approximates, casts_transparent: true, receiver_layers, ..Traits::default() }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {
@@ -141,7 +143,7 @@ fn tinted_volumes<'a>(
             let position_bits = position.to_array().map(f64::to_bits);
             let key = hash_of((instance.pose_key, position_bits, "tinted", &parts));
             let facing = light.cache.get_or_compute("facing", key, || {
-                CasterFacing::of_parts(instance, &shape, position, Half::Both, |part| parts.contains(&part))
+                CasterFacing::of_parts(light, instance, &shape, Half::Both, |part| parts.contains(&part))
             });
             if facing.cast.is_empty() {
                 continue;

@@ -153,7 +153,7 @@ fn a_frame_that_fails_leaves_nothing_that_counts_as_drawn() {
     let request = shadowgraph_testing::request();
     let plan = renderer.plan(&yard(&[(1, 8)]), &request).unwrap();
     let (snapshot, _) = renderer.snapshot(&yard(&[(1, 8)])).unwrap();
-    let mut broken = plan.clone();
+    let mut broken = (*plan).clone();
     let last = broken.passes.iter_mut().rfind(|pass| pass.name.starts_with("apply")).unwrap();
     let plan::Geometry::Procedural { shader, .. } = &mut last.draws[0].geometry else { panic!("{broken}") };
     shader.source = "fn nothing".into();

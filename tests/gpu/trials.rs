@@ -114,7 +114,7 @@ fn found_already(
     let (_, registry) = renderer.snapshot(scene).ok()?;
     let queries = queries_with(&registry, WHOLE_LIGHT_SAMPLES);
     let mut found = trials.iter().filter_map(|trial| trial.evaluation.as_ref());
-    found.find(|earlier| earlier.queries == queries && *earlier.frame.plan == plan).cloned()
+    found.find(|earlier| earlier.queries == queries && earlier.frame.plan == plan).cloned()
 }
 
 fn try_one(

@@ -55,7 +55,7 @@ fn index_key(plan: &FramePlan, light: &str) -> u64 {
     buffer(plan, &format!("volume indices of {light}")).1
 }
 
-/// What one light costs: its casters' facing and indices, the bound on its layers and the bytes of its buffer.
+/// What one light costs beside its casters' poses: their facing and indices, the bound on its layers and the bytes of its buffer.
 const fn computed_for(casters_moved: u64) -> u64 {
     casters_moved * 2 + 2
 }
@@ -64,7 +64,7 @@ const fn computed_for(casters_moved: u64) -> u64 {
 fn nothing_moved_nothing_extracted() {
     let mut yard = Yard::new();
     let (first, computed) = yard.frame(&request());
-    assert_eq!(computed, 2 * computed_for(3), "two lights, three casters each");
+    assert_eq!(computed, 3 + 2 * computed_for(3), "three poses; two lights, three casters each");
     let (second, computed) = yard.frame(&request());
     assert_eq!(computed, 0);
     assert_eq!(keys(&first), keys(&second));
@@ -79,7 +79,7 @@ fn what_was_not_asked_for_lately_is_dropped() {
     for _ in 0..20 {
         yard.cache.begin_frame();
     }
-    assert_eq!(yard.frame(&request()).1, 2 * computed_for(3));
+    assert_eq!(yard.frame(&request()).1, 3 + 2 * computed_for(3));
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn a_moved_caster_is_extracted_alone() {
     let (first, _) = yard.frame(&request());
     yard.shift(yard.boxes[1]);
     let (second, computed) = yard.frame(&request());
-    assert_eq!(computed, 2 * computed_for(1), "once for each light");
+    assert_eq!(computed, 1 + 2 * computed_for(1), "its pose, and once for each light");
     for light in ["left", "right"] {
         assert_ne!(index_key(&first, light), index_key(&second, light));
     }

@@ -191,7 +191,11 @@ fn a_light_has_one_verdict() {
             && judged(Verdict::NothingCompared).verdict() == Verdict::NothingCompared
     );
     let fine = errors(true, |_, f| f);
-    assert!(LightError { by_samples: Some(Verdict::Wrong), ..fine }.fails());
+    assert!(LightError { by_samples: Some(Verdict::Wrong), ..fine.clone() }.fails());
+    // What owes no more than to come near says so, and is not called exact for it.
+    let near = |error: LightError| LightError { approximates: true, ..error };
+    assert_eq!((error.verdict(), near(error.clone()).verdict()), (Verdict::Wrong, Verdict::Approximates));
+    assert!(near(error).fails() && near(fine).passes());
 }
 
 /// Three channels from one: what `change(channel, pixel, factor)` makes of it.

@@ -28,11 +28,12 @@
 use glam::{DVec3, DVec4};
 use rayon::prelude::*;
 
-use super::Topology;
+use super::topology::TwoUses;
+use super::{Edge, Topology};
 use crate::math::facing_sign;
 
 /// Under this many elements work is not worth handing to another thread.
-const MIN_PARALLEL: usize = 4096;
+pub(super) const MIN_PARALLEL: usize = 4096;
 
 /// The facing sign s_T ∈ {−1, 0, +1} of every triangle towards the homogeneous `light`: +1 when the light sees it
 /// counter-clockwise, 0 when edge-on or without area.
@@ -86,27 +87,40 @@ impl Chain {
     /// the end of the slice have 0).
     pub fn extract(topology: &Topology, signs: &[i8]) -> Self {
         let sign_of = |triangle: u32| signs.get(triangle as usize).map_or(0, |sign| i32::from(sign.signum()));
-        let weighted: Vec<([u32; 2], u32)> = topology
-            .edges()
-            .par_iter()
-            .enumerate()
-            .with_min_len(MIN_PARALLEL)
-            .filter_map(|(index, edge)| {
-                let weight: i32 = topology.uses(index).iter().map(|u| sign_of(u.triangle) * u.sigma).sum();
-                let side = if weight > 0 { [edge.p, edge.q] } else { [edge.q, edge.p] };
-                (weight != 0).then_some((side, weight.unsigned_abs()))
-            })
-            .collect();
-        let with_sign = |wanted: i32| {
-            (0..topology.triangles().len() as u32).filter(|triangle| sign_of(*triangle) == wanted).collect()
+        // Loops, here and wherever every edge or triangle is met: chains of iterators took several times as long.
+        let weigh = |(chunk, edges): (usize, &[Edge])| {
+            let mut weighted = Vec::new();
+            let first = chunk * MIN_PARALLEL;
+            for ((index, edge), uses) in (first..).zip(edges).zip(&topology.two_uses()[first..]) {
+                let weight = match TwoUses::unpacked(*uses) {
+                    Some([a, b]) => sign_of(a.triangle) * a.sigma + sign_of(b.triangle) * b.sigma,
+                    None => topology.uses(index).iter().map(|u| sign_of(u.triangle) * u.sigma).sum(),
+                };
+                if weight != 0 {
+                    let side = if weight > 0 { [edge.p, edge.q] } else { [edge.q, edge.p] };
+                    weighted.push((side, weight.unsigned_abs()));
+                }
+            }
+            weighted
         };
+        let chunks: Vec<_> = topology.edges().par_chunks(MIN_PARALLEL).enumerate().map(weigh).collect();
+        let weighted = chunks.concat();
+        let half = topology.triangles().len() / 2;
+        let [mut caps_front, mut caps_back] = [Vec::with_capacity(half), Vec::with_capacity(half)];
+        for (triangle, sign) in signs.iter().enumerate().take(topology.triangles().len()) {
+            match sign.signum() {
+                1 => caps_front.push(triangle as u32),
+                -1 => caps_back.push(triangle as u32),
+                _ => {}
+            }
+        }
         Self {
             sides: weighted
                 .iter()
                 .flat_map(|&(side, weight)| std::iter::repeat_n(side, weight as usize))
                 .collect(),
-            caps_front: with_sign(1),
-            caps_back: with_sign(-1),
+            caps_front,
+            caps_back,
             silhouette_edges: weighted.len(),
             max_edge_weight: weighted.iter().map(|(_, weight)| *weight).max().unwrap_or(0),
         }

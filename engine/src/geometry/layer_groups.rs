@@ -86,16 +86,20 @@ pub fn max_layers(light: DVec4, casters: &[CastTriangles<'_>], members: &[GroupM
     if count <= enough as usize {
         return count as u32;
     }
-    let corners = || {
-        members.iter().flat_map(|member| {
-            let caster = &casters[member.caster];
-            member.cast(casters).iter().map(|triangle| caster.corners(*triangle))
-        })
-    };
-    let bounds = Aabb::from_points(corners().flatten());
+    let mut bounds = Aabb::EMPTY;
+    for member in members {
+        for triangle in member.cast(casters) {
+            for corner in casters[member.caster].corners(*triangle) {
+                bounds = bounds.union(&Aabb { min: corner, max: corner });
+            }
+        }
+    }
     let bound_with = |detail: usize| {
         let mut grid = LayerGrid::with_detail(light, &bounds, count, detail);
-        corners().for_each(|corners| grid.add_triangle(corners));
+        for member in members {
+            let CastTriangles { p_in_world, triangles, .. } = casters[member.caster];
+            grid.add_mesh(p_in_world, triangles, member.cast(casters));
+        }
         grid.max_layers()
     };
     let bound = bound_with(1);

@@ -47,14 +47,32 @@ impl LayerGrid {
     /// Counts one cast triangle, given by its corners in the world.
     pub fn add_triangle(&mut self, corners: [DVec3; 3]) {
         self.triangles = self.triangles.saturating_add(1);
-        let row = self.grid.cells_per_side() + 1;
-        for (plane, cells) in self.grid.cells_of(corners) {
-            let differences = &mut self.differences[plane];
-            let CellRange { low, high } = cells;
-            differences[low[1] * row + low[0]] += 1;
-            differences[low[1] * row + high[0] + 1] -= 1;
-            differences[(high[1] + 1) * row + low[0]] -= 1;
-            differences[(high[1] + 1) * row + high[0] + 1] += 1;
+        let Self { grid, differences, .. } = self;
+        for (plane, cells) in grid.cells_of(corners) {
+            count(&mut differences[plane], grid.cells_per_side(), cells);
+        }
+    }
+
+    /// Counts those of a mesh's triangles that are `cast`, its vertices given in the world; each as [`LayerGrid::add_triangle`] does,
+    /// but that vertices are projected once.
+    ///
+    /// # Panics
+    /// When a triangle or corner is out of range.
+    pub fn add_mesh(&mut self, p_in_world: &[DVec3], triangles: &[[u32; 3]], cast: &[u32]) {
+        // With few of them it is faster to look at each by itself.
+        let seen = if cast.len() > p_in_world.len() / 3 { self.grid.see(p_in_world) } else { vec![] };
+        for triangle in cast {
+            let corners = triangles[*triangle as usize].map(|corner| corner as usize);
+            let between = match &seen[..] {
+                [] => None,
+                seen => self.grid.cells_between(corners.map(|corner| seen[corner])),
+            };
+            if let Some((plane, cells)) = between {
+                self.triangles = self.triangles.saturating_add(1);
+                count(&mut self.differences[plane], self.grid.cells_per_side(), cells);
+            } else {
+                self.add_triangle(corners.map(|corner| p_in_world[corner]));
+            }
         }
     }
 
@@ -77,6 +95,16 @@ impl LayerGrid {
     }
 }
 
+/// Adds one to what is counted over `cells`, as four differences.
+#[inline]
+fn count(differences: &mut [i32], cells_per_side: usize, CellRange { low, high }: CellRange) {
+    let row = cells_per_side + 1;
+    differences[low[1] * row + low[0]] += 1;
+    differences[low[1] * row + high[0] + 1] -= 1;
+    differences[(high[1] + 1) * row + low[0]] -= 1;
+    differences[(high[1] + 1) * row + high[0] + 1] += 1;
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,6 +122,11 @@ mod tests {
         for corners in positions.chunks_exact(3) {
             grid.add_triangle([corners[0], corners[1], corners[2]]);
         }
+        let all: Vec<u32> = (0..positions.len() as u32 / 3).collect();
+        let triangles: Vec<[u32; 3]> = all.iter().map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let mut meshes = LayerGrid::new(light, &bounds, positions.len() / 3);
+        meshes.add_mesh(positions, &triangles, &all);
+        assert_eq!(meshes.differences, grid.differences, "vertices are seen where triangles are");
         grid.max_layers()
     }
 

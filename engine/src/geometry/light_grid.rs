@@ -16,6 +16,11 @@ use crate::math::Aabb;
 /// By how much of a cell footprints are enlarged.
 const CELL_MARGIN: f64 = 1e-3;
 
+/// What is this near to the border of one of six planes is on both, as a share of the farthest corner's distance.
+const BESIDE_FACE: f64 = 1e-9;
+/// What is this near to the plane through the light is not projected, as a share of the same.
+const NEAREST: f64 = 1e-6;
+
 /// One or six planes a light looks through, split into cells.
 #[derive(Clone, Debug)]
 pub struct LightGrid {
@@ -145,6 +150,62 @@ impl LightGrid {
     }
 }
 
+/// Where a vertex is on the grid, for triangles that share their vertices.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SeenVertex {
+    /// The plane that shows it; [`SeenVertex::ALONE`] where triangles at it have to be looked at by themselves.
+    plane: u32,
+    /// Column and row, with fractions.
+    place: [f32; 2],
+}
+
+impl SeenVertex {
+    const ALONE: Self = Self { plane: u32::MAX, place: [0.0; 2] };
+}
+
+impl LightGrid {
+    /// Where vertices are.
+    pub(super) fn see(&self, p_in_world: &[DVec3]) -> Vec<SeenVertex> {
+        let Some(LightPlane { origin, .. }) = self.planes.first() else {
+            return vec![SeenVertex::ALONE; p_in_world.len()];
+        };
+        let reach = p_in_world.iter().map(|p| (*p - *origin).abs().max_element()).fold(0.0, f64::max);
+        let number_of = |p: &DVec3| if self.planes.len() == 1 { 0 } else { face_towards(*p - *origin) };
+        let see = |p: &DVec3| {
+            let number = number_of(p);
+            match self.planes[number].place(*p, reach) {
+                Some(place) => {
+                    let place = (place * 0.5 + 0.5) * self.cells_per_side as f64;
+                    SeenVertex { plane: number as u32, place: place.as_vec2().to_array() }
+                }
+                None => SeenVertex::ALONE,
+            }
+        };
+        p_in_world.iter().map(see).collect()
+    }
+
+    /// The plane and the cells of the triangle between three of these; `None` where it has to be [asked](LightGrid::cells_of)
+    /// by itself.
+    pub(super) fn cells_between(&self, [a, b, c]: [SeenVertex; 3]) -> Option<(usize, CellRange)> {
+        if a.plane != b.plane || a.plane != c.plane || a.plane == SeenVertex::ALONE.plane {
+            return None;
+        }
+        // Places are rounded to a sixteenth of the margin at most.
+        let last = self.cells_per_side - 1;
+        let cell = |place: f32| (place.max(0.0) as usize).min(last);
+        let low = |i: usize| cell(a.place[i].min(b.place[i]).min(c.place[i]) - CELL_MARGIN as f32);
+        let high = |i: usize| cell(a.place[i].max(b.place[i]).max(c.place[i]) + CELL_MARGIN as f32);
+        Some((a.plane as usize, CellRange { low: [low(0), low(1)], high: [high(0), high(1)] }))
+    }
+}
+
+/// The number of the plane, of six, that shows what lies at `d` from the light.
+fn face_towards(d: DVec3) -> usize {
+    let size = d.abs();
+    let axis = if size.z > size.x.max(size.y) { 2 } else { usize::from(size.y > size.x) };
+    axis * 2 + usize::from(d[axis] < 0.0)
+}
+
 /// The part of a plane a triangle covers, in coordinates from −1 to 1.
 enum Footprint {
     Nothing,
@@ -179,6 +240,18 @@ impl LightPlane {
         corners.iter().map(|corner| (*corner - self.origin).dot(self.away)).fold(f64::INFINITY, f64::min)
     }
 
+    /// Where `p` is on it, from −1 to 1 within the part in view, with the margins that [`LightPlane::project`] has for what is `reach`
+    /// from the light or nearer: `None` where triangles at it may be seen on another plane too, or from too near.
+    fn place(&self, p: DVec3, reach: f64) -> Option<DVec2> {
+        let d = p - self.origin;
+        let (x, y) = (d.dot(self.x_axis), d.dot(self.y_axis));
+        let z = d.dot(self.z_axis) + self.z_offset;
+        let nearest = if self.z_axis == DVec3::ZERO { 0.0 } else { NEAREST * reach };
+        let is_within = !self.one_of_six || x.abs().max(y.abs()) + BESIDE_FACE * reach < z;
+        let place = DVec2::new(x, y) / z;
+        (z > nearest && is_within && place.is_finite()).then_some(place)
+    }
+
     /// How far a triangle's image moves within the part in view, which is 2 wide, when the triangle moves by `moves_m`.
     fn shift(&self, corners: [DVec3; 3], moves_m: f64) -> f64 {
         if moves_m == 0.0 {
@@ -201,7 +274,7 @@ impl LightPlane {
         let all = |is_outside: &dyn Fn(&DVec3) -> bool| homogeneous.iter().all(is_outside);
         if self.one_of_six {
             // Wholly behind the light, or wholly beyond one side of the face's pyramid |x|, |y| ≤ z.
-            let margin = 1e-9 * reach + moves_m * std::f64::consts::SQRT_2;
+            let margin = BESIDE_FACE * reach + moves_m * std::f64::consts::SQRT_2;
             let is_outside = all(&|h| h.z < -margin)
                 || all(&|h| h.x - h.z > margin)
                 || all(&|h| -h.x - h.z > margin)
@@ -211,7 +284,7 @@ impl LightPlane {
                 return Footprint::Nothing;
             }
         }
-        let nearest = if self.z_axis == DVec3::ZERO { 0.0 } else { 1e-6 * reach };
+        let nearest = if self.z_axis == DVec3::ZERO { 0.0 } else { NEAREST * reach };
         if !all(&|h| h.z > nearest) {
             return Footprint::Everything;
         }

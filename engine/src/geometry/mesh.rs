@@ -178,7 +178,8 @@ impl Mesh {
 
     /// The corners of triangle `triangle` as vertex indices.
     pub fn triangle(&self, triangle: usize) -> [u32; 3] {
-        std::array::from_fn(|corner| self.data.indices[triangle * 3 + corner])
+        let corners = &self.data.indices[triangle * 3..triangle * 3 + 3];
+        [corners[0], corners[1], corners[2]]
     }
 
     /// The colour of `vertex` as shaders see it, with 8 bits a channel; white without colours.

@@ -77,6 +77,7 @@ pub(super) struct Tables {
     /// The uses of edge e are `uses[first_use[e]..first_use[e + 1]]`.
     first_use: Vec<u32>,
     uses: Vec<EdgeUse>,
+    two_uses: Vec<TwoUses>,
     component_of: Vec<Option<u32>>,
 }
 
@@ -121,6 +122,11 @@ impl Topology {
     /// When there is no such edge.
     pub fn uses(&self, edge: usize) -> &[EdgeUse] {
         self.tables.uses(edge)
+    }
+
+    /// For every edge its uses, if it has two of them. Most have, and are found faster here.
+    pub(super) fn two_uses(&self) -> &[TwoUses] {
+        &self.tables.two_uses
     }
 
     /// The welded corners of every triangle, in the triangle's own order, as indices into the mesh's positions.
@@ -200,6 +206,7 @@ impl Tables {
             edges: Vec::new(),
             first_use: vec![0],
             uses: Vec::with_capacity(corners.len() * 3),
+            two_uses: Vec::new(),
             component_of: Vec::new(),
             corners,
         };
@@ -247,6 +254,32 @@ impl Tables {
         if !self.edges.is_empty() {
             self.first_use.push(self.uses.len() as u32);
         }
+        self.two_uses = (0..self.edges.len()).map(|edge| TwoUses::packed(self.uses(edge))).collect();
+    }
+}
+
+/// The uses of an edge with two of them, each a word: the triangle, and in the lowest bit whether it runs against the edge. Of
+/// other edges, all bits are set.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TwoUses([u32; 2]);
+
+impl TwoUses {
+    const NOT_TWO: u32 = u32::MAX;
+
+    fn packed(uses: &[EdgeUse]) -> Self {
+        let word = |use_of: &EdgeUse| use_of.triangle << 1 | u32::from(use_of.sigma < 0);
+        match uses {
+            [first, second] => Self([word(first), word(second)]),
+            _ => Self([Self::NOT_TWO; 2]),
+        }
+    }
+
+    /// `None` of an edge that has not two.
+    #[inline]
+    pub(super) fn unpacked(self) -> Option<[EdgeUse; 2]> {
+        let use_of = |word: u32| EdgeUse { triangle: word >> 1, sigma: 1 - 2 * (word & 1) as i32 };
+        let [first, second] = self.0;
+        if first == Self::NOT_TWO { None } else { Some([use_of(first), use_of(second)]) }
     }
 }
 

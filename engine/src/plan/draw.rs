@@ -1,7 +1,8 @@
 //! Draws: shader, geometry, state, and what the shader reads.
 
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use wgpu::{
     BlendComponent, BlendFactor, BlendOperation, BlendState, CompareFunction, StencilFaceState,
@@ -56,8 +57,26 @@ impl Shader {
         vertex: &'static str,
         fragment: Option<&'static str>,
     ) -> Result<Self, ShaderError> {
-        let source = shadowgraph_shaders::compose_named(name, flags)?;
-        Ok(Self::of(&[&[name], flags].concat().join(" "), source, vertex, fragment))
+        let Text { name, source } =
+            Text::known(name, flags, || shadowgraph_shaders::compose_named(name, flags))?;
+        Ok(Self { name, source, vertex: vertex.into(), fragment: fragment.map(Into::into) })
+    }
+
+    /// The same with the text that `write` gives in place of the module `replaced`. `variant` tells what is written from what else
+    /// `write` might: equal variants have one text, and it is written once.
+    ///
+    /// # Errors
+    /// What cannot be composed or written: see [`shadowgraph_shaders::compose_replacing`].
+    pub fn replacing(
+        (name, variant): (&'static str, &str),
+        flags: &[&str],
+        (replaced, write): (&str, impl FnOnce() -> Result<String, ShaderError>),
+        vertex: &'static str,
+        fragment: Option<&'static str>,
+    ) -> Result<Self, ShaderError> {
+        let compose = || shadowgraph_shaders::compose_replacing(name, flags, replaced, &write()?);
+        let Text { name, source } = Text::known(&format!("{name} {variant}"), flags, compose)?;
+        Ok(Self { name, source, vertex: vertex.into(), fragment: fragment.map(Into::into) })
     }
 
     /// A shader of one's own: WGSL that may import every common module of this workspace, composed with `flags`.
@@ -79,6 +98,34 @@ impl Shader {
     pub fn of(name: &str, source: String, vertex: &'static str, fragment: Option<&'static str>) -> Self {
         let (name, source) = (name.into(), source.into());
         Self { name, source, vertex: vertex.into(), fragment: fragment.map(Into::into) }
+    }
+}
+
+/// A composed text of this workspace.
+#[derive(Clone)]
+struct Text {
+    /// The module's name and its flags.
+    name: Arc<str>,
+    source: Arc<str>,
+}
+
+impl Text {
+    /// The text of a module with these flags, composed once in a process: that takes as long as planning a light, and the executor
+    /// tells texts apart by where they are.
+    fn known(
+        name: &str,
+        flags: &[&str],
+        compose: impl FnOnce() -> Result<String, ShaderError>,
+    ) -> Result<Self, ShaderError> {
+        static KNOWN: Mutex<BTreeMap<Arc<str>, Text>> = Mutex::new(BTreeMap::new());
+        let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        let name = [&[name], flags].concat().join(" ");
+        if let Some(text) = known().get(&*name) {
+            return Ok(text.clone());
+        }
+        let text = Self { name: name.into(), source: compose()?.into() };
+        known().insert(Arc::clone(&text.name), text.clone());
+        Ok(text)
     }
 }
 

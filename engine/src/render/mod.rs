@@ -16,6 +16,7 @@ mod light_passes;
 mod lights;
 mod lower;
 mod picture;
+mod planner;
 mod prepass;
 mod renderer;
 mod request;
@@ -31,5 +32,6 @@ mod surfaces;
 
 pub use exposure::Exposure;
 pub use frame::plan_frame;
+pub use planner::Planner;
 pub use renderer::{FactorImage, Frame, FrameLayer, RenderError, RenderOptions, Renderer};
 pub use request::{Adapter, FrameError, FrameRequest, PictureFormat};

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use super::Exposure;
-use super::frame::plan_frame;
+use super::planner::Planner;
 use super::request::{Adapter, FrameError, FrameRequest, PictureFormat};
 use crate::gpu::{Executed, Executor, FrameInputs, Gpu, GpuError, PassTime, Pixels, PixelsError, Timing};
 use crate::plan::{FramePlan, SlotId};
 use crate::scene::{Scene, SceneError, SceneSnapshot};
-use crate::shadow::{Cache, Catalog, Registry, ShadowError};
+use crate::shadow::{Catalog, Registry, ShadowError};
 
 /// Why a frame was not rendered. Nothing is drawn in its place.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -85,10 +85,7 @@ pub struct Frame {
 #[derive(Debug)]
 pub struct Renderer {
     executor: Executor,
-    catalog: Catalog,
-    cache: Cache,
-    /// The scene's snapshot of one revision, with its shadow nodes by light.
-    snapshot: Option<(u64, Arc<SceneSnapshot>, Arc<Registry>)>,
+    planner: Planner,
     recoveries: u64,
 }
 
@@ -98,7 +95,7 @@ const RECOVERIES_A_FRAME: u32 = 3;
 impl Renderer {
     /// A renderer on `gpu` that knows the techniques of `catalog`.
     pub fn new(gpu: Gpu, catalog: Catalog) -> Self {
-        Self { executor: Executor::new(gpu), catalog, cache: Cache::new(), snapshot: None, recoveries: 0 }
+        Self { executor: Executor::new(gpu), planner: Planner::new(catalog), recoveries: 0 }
     }
 
     /// The device it runs on.
@@ -108,13 +105,13 @@ impl Renderer {
 
     /// The techniques it knows.
     pub fn catalog(&self) -> &Catalog {
-        &self.catalog
+        self.planner.catalog()
     }
 
     /// How many cached results were computed and how many buffers uploaded since the renderer was made. Neither
     /// number grows in a frame in which nothing moved.
     pub fn work_done(&self) -> (u64, u64) {
-        (self.cache.computed(), self.executor.uploads())
+        (self.planner.computed(), self.executor.uploads())
     }
 
     /// The scene flattened, and its shadow nodes by light; kept until the scene changes.
@@ -122,23 +119,14 @@ impl Renderer {
     /// # Errors
     /// What is wrong with the scene or its shadow nodes.
     pub fn snapshot(&mut self, scene: &Scene) -> Result<(Arc<SceneSnapshot>, Arc<Registry>), RenderError> {
-        if let Some((revision, snapshot, registry)) = &self.snapshot
-            && *revision == scene.revision()
-        {
-            return Ok((Arc::clone(snapshot), Arc::clone(registry)));
-        }
-        let snapshot = Arc::new(scene.snapshot()?);
-        let registry = Arc::new(Registry::collect(&snapshot, &self.catalog)?);
-        self.snapshot = Some((scene.revision(), Arc::clone(&snapshot), Arc::clone(&registry)));
-        Ok((snapshot, registry))
+        self.planner.snapshot(scene)
     }
 
     /// Plans a frame without executing it.
     ///
     /// # Errors
     /// As [`Renderer::render`], but for the device's own.
-    pub fn plan(&mut self, scene: &Scene, request: &FrameRequest) -> Result<FramePlan, RenderError> {
-        let (snapshot, registry) = self.snapshot(scene)?;
+    pub fn plan(&mut self, scene: &Scene, request: &FrameRequest) -> Result<Arc<FramePlan>, RenderError> {
         let gpu = self.executor.gpu();
         let name = gpu.name();
         let adapter = Adapter {
@@ -147,7 +135,7 @@ impl Renderer {
             max_size_px: gpu.limits.max_texture_dimension_2d,
             multisampled: &gpu.multisampled,
         };
-        Ok(plan_frame(&snapshot, &registry, request, &adapter, &self.cache)?)
+        self.planner.plan(scene, request, &adapter)
     }
 
     /// Renders one frame and waits for it. A device that is lost, now or since the last frame, is replaced by another,
@@ -162,7 +150,6 @@ impl Renderer {
         request: &FrameRequest,
         options: &RenderOptions,
     ) -> Result<Frame, RenderError> {
-        self.cache.begin_frame();
         let mut tries_left = RECOVERIES_A_FRAME;
         loop {
             match self.render_once(scene, request, options) {
@@ -187,7 +174,7 @@ impl Renderer {
         request: &FrameRequest,
         options: &RenderOptions,
     ) -> Result<Frame, RenderError> {
-        let plan = Arc::new(self.plan(scene, request)?);
+        let plan = self.plan(scene, request)?;
         let (snapshot, _) = self.snapshot(scene)?;
         let wanted = wanted_slots(&plan, options.read_picture);
         let read_back: Vec<SlotId> = wanted.iter().map(|(slot, _)| *slot).collect();

@@ -69,7 +69,7 @@ pub enum PictureFormat {
 }
 
 /// What is wanted of a frame.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FrameRequest {
     /// The camera.
     pub camera: CameraSnapshot,

@@ -39,6 +39,8 @@ pub struct Traits {
     /// The number of [`light_samples`](super::light_samples) of which its factor is the visible share, if it is one:
     /// it is then compared sample by sample. `None` for techniques that approximate the whole light.
     pub light_samples: Option<u32>,
+    /// Whether its factors come near the right ones and no more: what is then off is no mistake, as long as `known_error` tells of it.
+    pub approximates: bool,
     /// Whether its casters' transparent surfaces cast too, in the colours that they let pass
     /// ([`Material::transmission_at`](crate::scene::Material::transmission_at)); otherwise they cast nothing.
     pub casts_transparent: bool,

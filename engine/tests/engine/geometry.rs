@@ -285,6 +285,9 @@ proptest! {
         let all: Vec<u32> = (0..triangles.len() as u32).collect();
         all.iter().for_each(|triangle| grid.add_triangle(corners_of(*triangle)));
         prop_assert!(layers(&all) <= grid.max_layers());
+        let mut mesh = LayerGrid::new(light, &bounds, triangles.len());
+        mesh.add_mesh(&positions, &triangles, &all);
+        prop_assert!(layers(&all) <= mesh.max_layers());
         let caster = CastTriangles { p_in_world: &positions, triangles: &triangles, cast: &all };
         let triangles_of = |member: GroupMember| member.triangles.unwrap_or_else(|| all.clone());
         let groups: Vec<Vec<u32>> = layer_groups(light, &[caster], 3)

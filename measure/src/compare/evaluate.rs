@@ -236,6 +236,23 @@ fn as_compared(
     on_receivers(registry, &reference).map_or(reference, Arc::new)
 }
 
+/// [`compare`], with what is known of the techniques of each light.
+pub(crate) fn compared(
+    (snapshot, registry): (&SceneSnapshot, &Registry),
+    measured: &Measured,
+    reference: &ReferenceImage,
+) -> Result<Vec<LightError>, CompareError> {
+    let approximates = |claim: &Claim| claim.technique.traits().approximates;
+    let mut errors = compare(measured, reference)?;
+    for error in &mut errors {
+        let mut lights = snapshot.lights.iter().zip(&registry.lights);
+        let claims = lights.find(|(light, _)| light.name == error.name).map(|(_, claims)| claims);
+        error.approximates = claims.is_some_and(|claims| claims.iter().any(approximates));
+        error.channels.iter_mut().for_each(|channel| channel.approximates = error.approximates);
+    }
+    Ok(errors)
+}
+
 /// Renders `scene` with its own shadow nodes and compares.
 ///
 /// # Errors
@@ -272,7 +289,7 @@ pub fn evaluate_again(
     let reference = references.answer(&snapshot, &request, queries.clone(), progress);
     let measured = measured(&frame, request.antialias.factor_size_px(request.size_px))?;
     let reference = as_compared(&registry, reference, &measured);
-    let errors = compare(&measured, &reference)?;
+    let errors = compared((&snapshot, &registry), &measured, &reference)?;
     Ok(Evaluation { frame, measured, reference, errors, queries })
 }
 
@@ -295,7 +312,7 @@ pub fn evaluate_converged(
     let (snapshot, registry) = renderer.snapshot(scene)?;
     let reference = references.answer(&snapshot, request, queries, progress);
     let reference = as_compared(&registry, reference, &evaluation.measured);
-    let mut errors = compare(&evaluation.measured, &reference)?;
+    let mut errors = compared((&snapshot, &registry), &evaluation.measured, &reference)?;
     for error in &mut errors {
         let own = evaluation.errors.iter().find(|own| own.name == error.name);
         if let Some(own) = own.filter(|own| own.same_samples.is_some()) {

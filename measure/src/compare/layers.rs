@@ -16,7 +16,7 @@ use shadowgraph_engine::render::{FrameRequest, RenderOptions, Renderer};
 use shadowgraph_engine::scene::{CameraSnapshot, Scene};
 use shadowgraph_engine::shadow::{Layer, Layers, Registry};
 
-use super::evaluate::{layer_measured, queries};
+use super::evaluate::{compared, layer_measured, queries};
 use crate::reference::answers::Pixels;
 use crate::reference::moved::Moved;
 use crate::reference::query::Asker;
@@ -24,7 +24,7 @@ use crate::reference::render::for_rows;
 use crate::reference::surface::Triangle;
 use crate::reference::tracer::{Reference, Tracer};
 use crate::reference::view::View;
-use crate::{EvaluateError, LightError, LightQuery, Measured, Progress, ReferenceImage, compare};
+use crate::{EvaluateError, LightError, LightQuery, Measured, Progress, ReferenceImage};
 
 /// One layer of transparent surfaces with its factors, the reference's, and how they differ.
 #[derive(Clone, Debug)]
@@ -76,7 +76,7 @@ pub fn evaluate_layers(
             let mut measured = layer_measured(drawn, size_px)?;
             measured.lights.retain(|(name, _)| image.lights.iter().any(|light| light.name == *name));
             let image = image.as_seen(&measured.ids).into_owned();
-            let errors = compare(&measured, &image)?;
+            let errors = compared((&snapshot, &registry), &measured, &image)?;
             evaluations.push(LayerEvaluation { layer, measured, reference: Arc::new(image), errors });
         }
     }

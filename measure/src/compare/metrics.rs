@@ -130,6 +130,8 @@ pub struct LightError {
     pub same_samples: Option<u32>,
     /// Whether some samples stand for the whole light: then what is outside bounds is no mistake but an approximation.
     pub is_converged: bool,
+    /// Whether a technique of the light [approximates](shadowgraph_engine::shadow::Traits::approximates) by design.
+    pub approximates: bool,
     /// Beside the whole light: what the samples that the technique took were found to be.
     pub by_samples: Option<Verdict>,
     /// Mean of what the factor is too light, 0 where it is not.

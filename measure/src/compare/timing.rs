@@ -56,7 +56,7 @@ pub struct PassTimes {
 }
 
 /// Rounds that are counted even of what is slow.
-const SLOW_ROUNDS: usize = 2;
+const SLOW_ROUNDS: usize = 3;
 
 /// Frames rendered before any is counted.
 const WARM_UP_FRAMES: usize = 3;
@@ -120,7 +120,7 @@ pub fn time_passes(
 }
 
 /// How long scenes are timed in turn: until both the rounds and the time are enough, or the rounds are more than that. What
-/// takes longer than that by itself is counted twice and no more.
+/// has taken a quarter of the time by itself, and three rounds, is counted no more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pace {
     /// Rounds that are counted at least.
@@ -129,6 +129,13 @@ pub struct Pace {
     pub max_rounds: usize,
     /// No round begins after this once there are enough.
     pub budget: Duration,
+}
+
+impl Pace {
+    /// As long as one scene of several is timed, once it has been timed often enough.
+    pub fn budget_of_one(&self) -> Duration {
+        self.budget / 4
+    }
 }
 
 /// One of several scenes that are timed in turn. Each has a renderer of its own, so that nothing kept for one is
@@ -166,7 +173,7 @@ pub fn take_turns(runners: &mut [Runner], pace: &Pace) -> Result<Vec<Vec<f64>>, 
             }
         }
     }
-    let budget_ms = milliseconds(pace.budget);
+    let budget_of_one_ms = milliseconds(pace.budget_of_one());
     let start = Instant::now();
     for round in 0..pace.max_rounds {
         if round >= pace.min_rounds && start.elapsed() >= pace.budget {
@@ -177,7 +184,7 @@ pub fn take_turns(runners: &mut [Runner], pace: &Pace) -> Result<Vec<Vec<f64>>, 
             order.reverse();
         }
         for index in order {
-            let is_slow = times_ms[index].iter().sum::<f64>() >= budget_ms;
+            let is_slow = times_ms[index].iter().sum::<f64>() >= budget_of_one_ms;
             if is_slow && times_ms[index].len() >= SLOW_ROUNDS {
                 continue;
             }

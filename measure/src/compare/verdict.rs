@@ -11,8 +11,8 @@ pub enum Verdict {
     Exact,
     /// Nothing was compared: no surface is in view, or within the light's range and cone, or turned but edge-on to it.
     NothingCompared,
-    /// Some pixels are off, but the technique takes no samples that would have to be right: it approximates, and the
-    /// errors say how well.
+    /// Some pixels are off, but the technique approximates by design, or takes no samples that would have to be right: the
+    /// errors say how well it does.
     Approximates,
     /// Technique and reference see different surfaces at too many pixels for the rest to say anything.
     SeesOtherSurfaces,
@@ -46,7 +46,7 @@ impl LightError {
             None if self.compared == 0 => Verdict::NothingCompared,
             None if self.band_too_wide => Verdict::BandTooWide,
             None if is_right => Verdict::Exact,
-            None if self.is_converged => Verdict::Approximates,
+            None if self.is_converged || self.approximates => Verdict::Approximates,
             None => Verdict::Wrong,
         }
     }

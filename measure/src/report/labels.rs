@@ -81,10 +81,9 @@ pub(super) fn place(labels: &[Label], obstacles: &[Box2], bounds: [[f64; 2]; 2])
     let mut leaders: Vec<[[f64; 2]; 2]> = Vec::new();
     let mut placed = Vec::new();
     for label in labels {
-        let tidy =
-            candidates(label).find(|c| c.is_free(&bounds, obstacles, &taken) && c.is_tidy(&taken, &leaders));
-        // Where marks crowd, a line over a label is better than no label.
-        let chosen = tidy.or_else(|| candidates(label).find(|c| c.is_free(&bounds, obstacles, &taken)));
+        // Where marks crowd, a line over a label is better than no label; of the fewest, the nearest.
+        let free = candidates(label).filter(|c| c.is_free(&bounds, obstacles, &taken));
+        let chosen = free.min_by_key(|c| c.crossings(&taken, &leaders));
         if let Some(Candidate { space, leader, .. }) = &chosen {
             taken.push(*space);
             leaders.extend(leader);
@@ -107,10 +106,11 @@ impl Candidate {
             && !obstacles.iter().chain(taken).any(|other| other.overlaps(&self.space))
     }
 
-    /// Whether neither its line crosses a label nor another's line crosses it.
-    fn is_tidy(&self, taken: &[Box2], leaders: &[[[f64; 2]; 2]]) -> bool {
-        self.leader.is_none_or(|[from, to]| !taken.iter().any(|other| other.is_crossed(from, to)))
-            && !leaders.iter().any(|[from, to]| self.space.is_crossed(*from, *to))
+    /// How many labels its line crosses, and how many others' lines cross it.
+    fn crossings(&self, taken: &[Box2], leaders: &[[[f64; 2]; 2]]) -> usize {
+        let crossed = |[from, to]: [[f64; 2]; 2]| taken.iter().filter(|t| t.is_crossed(from, to)).count();
+        let crossing = leaders.iter().filter(|[from, to]| self.space.is_crossed(*from, *to));
+        self.leader.map_or(0, crossed) + crossing.count()
     }
 }
 
@@ -195,9 +195,10 @@ mod tests {
             .find(|c| c.leader.is_some_and(|[_, to]| to[0] == 200.0 && to[1] < 200.0))
             .expect("it is there");
         let between = Box2::around([200.0, 225.0], 8.0);
-        assert!(!up.is_tidy(&[between], &[]) && up.is_tidy(&[Box2::around([230.0, 225.0], 8.0)], &[]));
+        let beside = Box2::around([230.0, 225.0], 8.0);
+        assert_eq!((up.crossings(&[between], &[]), up.crossings(&[beside], &[])), (1, 0));
         // Another label's line through where the text would be.
         let [_, end] = up.leader.expect("it has one");
-        assert!(!up.is_tidy(&[], &[[[end[0] - 50.0, end[1]], [end[0] + 50.0, end[1]]]]));
+        assert_eq!(up.crossings(&[], &[[[end[0] - 50.0, end[1]], [end[0] + 50.0, end[1]]]]), 1);
     }
 }

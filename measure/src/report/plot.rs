@@ -14,7 +14,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    pub(super) const LARGE: Self = Self { width: 600.0, height: 400.0, right: 24.0 };
+    pub(super) const LARGE: Self = Self { width: 760.0, height: 500.0, right: 24.0 };
     pub(super) const LINES: Self = Self { width: 440.0, height: 300.0, right: 118.0 };
     pub(super) const SMALL: Self = Self { width: 300.0, height: 200.0, right: 14.0 };
 }

@@ -176,7 +176,7 @@ fn time(
                 scene,
                 request,
                 bench.effort.pass_frames,
-                bench.effort.scene_pace.budget,
+                bench.effort.scene_pace.budget_of_one(),
             )?,
         });
     }

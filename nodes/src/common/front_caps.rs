@@ -25,6 +25,16 @@ impl FrontCaps {
         let own_count = instance.mesh.triangle_count() as u32;
         let welded = shape.topology().triangles();
         let mut caps = Self::default();
+        if matches!(shape, CastShape::Own(_)) {
+            for (caps, list) in caps.own.iter_mut().zip([&chain.caps_front, &chain.caps_back]) {
+                caps.reserve(list.len() * 3);
+                for triangle in list {
+                    let [a, b, c] = instance.mesh.triangle(*triangle as usize);
+                    caps.extend_from_slice(&[cap(a), cap(b), cap(c)]);
+                }
+            }
+            return caps;
+        }
         for (turned, list) in [&chain.caps_front, &chain.caps_back].into_iter().enumerate() {
             for &triangle in list {
                 let corners = welded[triangle as usize];

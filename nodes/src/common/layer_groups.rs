@@ -12,7 +12,8 @@ use shadowgraph_engine::plan::STENCIL_AT_REST;
 use shadowgraph_engine::scene::Instance;
 use shadowgraph_engine::shadow::{Apply, LightContext, PassList, hash_of};
 
-use super::volume::{CastShape, CasterFacing};
+use super::facing::CasterFacing;
+use super::volume::CastShape;
 
 /// The largest count an 8-bit stencil holds above its rest.
 pub const MAX_COUNT: u32 = 255 - STENCIL_AT_REST as u32;

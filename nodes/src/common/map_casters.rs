@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable, cast_slice};
-use glam::{DAffine3, DMat3, DVec4};
+use glam::{DAffine3, DMat3};
 use shadowgraph_engine::math::Aabb;
 use shadowgraph_engine::plan::{
     BlendState, BufferDesc, CompareFunction, DrawState, Resource, Shader, ShaderError,
@@ -17,11 +17,12 @@ use shadowgraph_engine::scene::{ImageKey, Instance, Material};
 use shadowgraph_engine::shadow::{Binding, Draw, Geometry, LightContext, PassList, hash_of};
 
 use super::cut_casters::{CutCorner, is_large, longest_edge_m, pieces_in, top_m};
+use super::facing::CasterFacing;
 use super::flat_casters::{Behind, behind};
 use super::light_views::{CasterBox, LightView};
 use super::mask_vertices::MaskVertices;
 use super::ray_candidates::Layout;
-use super::volume::{CastShape, CasterFacing, Half};
+use super::volume::{CastShape, Half};
 use crate::layout;
 
 /// `struct MapCorner` of shadow_map_casters.wgsl.
@@ -284,7 +285,7 @@ impl<'a> CasterBuffers<'a> {
         let key = hash_of(("cut casters", self.key, view.bits(), texels));
         let bytes = light.cache.get_or_compute("cut casters", key, || {
             let pieces = large.iter().flat_map(|caster| {
-                let triangles = triangles_of(caster, light.light().position, None);
+                let triangles = triangles_of(light, caster, None);
                 pieces_in(view, texels, caster.instance, &triangles)
             });
             cast_slice(&pieces.collect::<Vec<CutCorner>>()).to_vec()
@@ -340,8 +341,7 @@ fn list_of(
     masked: Option<(usize, &Material)>,
 ) -> (Arc<List>, u64) {
     let instance = caster.instance;
-    let position = light.light().position;
-    let bits = position.to_array().map(f64::to_bits);
+    let bits = light.light().position.to_array().map(f64::to_bits);
     let whole: Vec<bool> = instance.materials.iter().map(|material| material.casts_whole()).collect();
     let worn = masked.map(|(part, material)| {
         // An image that was changed is another one.
@@ -352,7 +352,7 @@ fn list_of(
     });
     let key = hash_of((instance.pose_key, bits, caster.drawn, whole, worn));
     let list = light.cache.get_or_compute("map triangles", key, || {
-        let triangles = triangles_of(caster, position, masked.map(|(part, _)| part));
+        let triangles = triangles_of(light, caster, masked.map(|(part, _)| part));
         match masked {
             None => List {
                 indices: triangles.into_iter().flat_map(|t| instance.mesh.triangle(t as usize)).collect(),
@@ -368,13 +368,13 @@ fn list_of(
 }
 
 /// The triangles of a caster's whole parts, or of its masked part, that are drawn.
-fn triangles_of(caster: &MapCaster<'_>, position: DVec4, part: Option<usize>) -> Vec<u32> {
+fn triangles_of(light: &LightContext<'_>, caster: &MapCaster<'_>, part: Option<usize>) -> Vec<u32> {
     let instance = caster.instance;
     let topology = instance.mesh.topology();
     let shape = CastShape::Own(topology);
     let of_parts = |half| match part {
-        None => CasterFacing::new(instance, &shape, position, half),
-        Some(part) => CasterFacing::of_parts(instance, &shape, position, half, |other| other == part),
+        None => CasterFacing::new(light, instance, &shape, half),
+        Some(part) => CasterFacing::of_parts(light, instance, &shape, half, |other| other == part),
     };
     let is_solid = topology.orientation(&instance.world_from_local).is_some();
     let (half, wanted) = match (caster.drawn, is_solid) {

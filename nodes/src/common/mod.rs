@@ -7,6 +7,7 @@ mod coplanar;
 pub mod culling;
 pub mod cut_casters;
 pub mod extrusion;
+pub mod facing;
 pub mod flat_casters;
 mod front_caps;
 pub mod layer_groups;

@@ -6,11 +6,12 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, DVec4};
-use shadowgraph_engine::geometry::{Capped, Chain, Topology, facing_signs, restricted_signs};
+use shadowgraph_engine::geometry::{Capped, Chain, Topology, restricted_signs};
 use shadowgraph_engine::scene::Instance;
 
 use super::beside_light::{CutVertex, Cutter, Side};
 use super::extrusion::End;
+use super::facing::CasterFacing;
 use super::front_caps::FrontCaps;
 
 /// `struct Volume` of the shadow volume shaders.
@@ -106,7 +107,12 @@ impl CastShape<'_> {
     }
 
     /// The signs without those of the parts (by their number) that are not to cast.
-    fn of_parts(&self, instance: &Instance, mut signs: Vec<i8>, casts: impl Fn(usize) -> bool) -> Vec<i8> {
+    pub(super) fn of_parts(
+        &self,
+        instance: &Instance,
+        mut signs: Vec<i8>,
+        casts: impl Fn(usize) -> bool,
+    ) -> Vec<i8> {
         let own = instance.mesh.triangle_count();
         for (number, part) in instance.mesh.data().parts.iter().enumerate() {
             let (start, end) = (part.triangles.start as usize, part.triangles.end as usize);
@@ -121,7 +127,7 @@ impl CastShape<'_> {
     }
 
     /// The facing signs of the triangles in `half`, 0 for the others.
-    fn signs_of(&self, instance: &Instance, signs: Vec<i8>, half: Half) -> Vec<i8> {
+    pub(super) fn signs_of(&self, instance: &Instance, signs: Vec<i8>, half: Half) -> Vec<i8> {
         if half == Half::Both {
             return signs;
         }
@@ -148,50 +154,6 @@ pub enum Half {
     /// Those that face away from it: for solids with the light outside, whose own far side stays undecided (smooth
     /// terminators).
     Unlit,
-}
-
-/// The facing signs of one caster towards one light, and which triangles cast; kept between frames.
-#[derive(Clone, Debug)]
-pub struct CasterFacing {
-    /// Welded vertices in the world.
-    pub p_in_world: Vec<DVec3>,
-    /// The sign of every triangle that is cast, 0 for the others.
-    pub signs: Vec<i8>,
-    /// The triangles with a sign other than 0.
-    pub cast: Vec<u32>,
-    /// The triangles that hold the light in their plane, or have no area.
-    pub edge_on: Vec<u32>,
-    /// Which triangles were asked to cast.
-    pub half: Half,
-}
-
-impl CasterFacing {
-    /// The facing signs of `instance`, with the triangles of `shape`, towards `light`; of those in `half`. Triangles
-    /// that do not block light as a whole (masked, blended, unlit ones) are not cast.
-    pub fn new(instance: &Instance, shape: &CastShape<'_>, light: DVec4, half: Half) -> Self {
-        Self::of_parts(instance, shape, light, half, |part| instance.materials[part].casts_whole())
-    }
-
-    /// As [`CasterFacing::new`], of the parts whose number `casts` accepts.
-    pub fn of_parts(
-        instance: &Instance,
-        shape: &CastShape<'_>,
-        light: DVec4,
-        half: Half,
-        casts: impl Fn(usize) -> bool,
-    ) -> Self {
-        let p_in_world: Vec<DVec3> = (0..instance.mesh.positions().len() as u32)
-            .map(|vertex| instance.world_position(vertex))
-            .collect();
-        let signs = facing_signs(&p_in_world, shape.topology().triangles(), light);
-        let with_sign = |signs: &[i8], wanted: fn(i8) -> bool| -> Vec<u32> {
-            (0..signs.len() as u32).filter(|triangle| wanted(signs[*triangle as usize])).collect()
-        };
-        let edge_on = with_sign(&signs, |sign| sign == 0);
-        let signs = shape.of_parts(instance, shape.signs_of(instance, signs, half), casts);
-        let cast = with_sign(&signs, |sign| sign != 0);
-        Self { p_in_world, signs, cast, edge_on, half }
-    }
 }
 
 /// How edges of more than unit weight are listed among the sides.
@@ -301,14 +263,18 @@ impl VolumeIndices {
             sides.push(SideRun { weight, near: near_run, far: far_run, ahead: ahead_run });
         }
         let far_caps = run(&mut |i| {
-            for &triangle in &chain.caps_front {
-                for [a, b, c] in cut_triangle(&mut cutter, topology.triangles()[triangle as usize]) {
-                    i.extend([far(a), far(c), far(b)]);
-                }
-            }
-            for &triangle in &chain.caps_back {
-                for corners in cut_triangle(&mut cutter, topology.triangles()[triangle as usize]) {
-                    i.extend(corners.map(far));
+            let caps = [(&chain.caps_front, true), (&chain.caps_back, false)];
+            for (triangles, turned) in caps {
+                let mut add = |[a, b, c]: [u32; 3]| {
+                    let [b, c] = if turned { [c, b] } else { [b, c] };
+                    i.extend_from_slice(&[far(a), far(b), far(c)]);
+                };
+                for triangle in triangles {
+                    let corners = topology.triangles()[*triangle as usize];
+                    match &mut cutter {
+                        None => add(corners),
+                        Some(cutter) => cutter.triangle(corners).into_iter().for_each(&mut add),
+                    }
                 }
             }
         });
@@ -363,11 +329,6 @@ fn cut_sides(cutter: &mut Option<Cutter<'_>>, sides: Vec<[u32; 2]>) -> Vec<Side>
         None => Side::whole([p, q]),
     };
     sides.into_iter().map(side).collect()
-}
-
-/// The parts of a triangle.
-fn cut_triangle(cutter: &mut Option<Cutter<'_>>, corners: [u32; 3]) -> Vec<[u32; 3]> {
-    cutter.as_mut().map_or_else(|| vec![corners], |cutter| cutter.triangle(corners))
 }
 
 /// A corner of a side where the caster is, a little before it.

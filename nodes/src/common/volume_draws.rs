@@ -130,11 +130,9 @@ pub fn upload(
     let name = light.light().name.clone();
     let key = hash_of(("volume indices", &keys));
     let bytes = light.cache.get_or_compute("volume index bytes", key, || {
-        indices
-            .iter()
-            .flat_map(|(_, runs)| bytemuck::cast_slice::<u32, u8>(&runs.indices))
-            .copied()
-            .collect::<Vec<u8>>()
+        let parts: Vec<&[u8]> =
+            indices.iter().map(|(_, runs)| bytemuck::cast_slice::<u32, u8>(&runs.indices)).collect();
+        parts.concat()
     });
     let edges: usize = indices.iter().map(|(_, runs)| runs.silhouette_edges).sum();
     let reason = format!("{edges} silhouette edges, and the caps for views that need them");

@@ -78,11 +78,9 @@ impl ShadowVolumeSoft {
 
 /// The shader for so many samples.
 fn shader(samples: u32, flags: &[&str], fragment: &'static str) -> Result<Shader, ShaderError> {
-    const SAMPLES: &str = "common/light_samples";
-    let code = samples_as_code(samples)?;
-    let source = shadowgraph_shaders::compose_replacing("shadow_volume_soft", flags, SAMPLES, &code)?;
-    let name = format!("shadow_volume_soft of {samples} samples {}", flags.join(" "));
-    Ok(Shader::of(&name, source, "soft_vertex", Some(fragment)))
+    let name = ("shadow_volume_soft", &*format!("of {samples} samples"));
+    let code = ("common/light_samples", || samples_as_code(samples));
+    Shader::replacing(name, flags, code, "soft_vertex", Some(fragment))
 }
 
 /// The module `common/light_samples` for so many samples: no loop, no look-up.

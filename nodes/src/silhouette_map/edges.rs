@@ -9,10 +9,11 @@ use shadowgraph_engine::plan::{BufferDesc, Resource};
 use shadowgraph_engine::scene::Instance;
 use shadowgraph_engine::shadow::{LightContext, PassList, hash_of};
 
+use crate::common::facing::CasterFacing;
 use crate::common::light_views::LightView;
 use crate::common::map_casters::MapCaster;
 use crate::common::ray_candidates::Layout;
-use crate::common::volume::{CastShape, CasterFacing, Half};
+use crate::common::volume::{CastShape, Half};
 use crate::layout;
 
 /// `struct Edge` of silhouette_points.wgsl.
@@ -66,7 +67,7 @@ fn silhouettes_of(light: &LightContext<'_>, instance: &Instance) -> Arc<Vec<[DVe
     let key = hash_of((instance.pose_key, position.to_array().map(f64::to_bits), whole));
     light.cache.get_or_compute("silhouettes", key, || {
         let topology = instance.mesh.topology();
-        let facing = CasterFacing::new(instance, &CastShape::Own(topology), position, Half::Both);
+        let facing = CasterFacing::new(light, instance, &CastShape::Own(topology), Half::Both);
         let mut sides = Chain::extract(topology, &facing.signs).sides;
         // Edges of more weight are listed as often in a row.
         sides.dedup();

@@ -135,3 +135,20 @@ fn open_casters_keep_theirs_and_the_plan_says_so() {
     let (without, ..) = linear(&mut renderer, &with_node(&base, ShadowVolumeHard::default()), &view);
     assert!(with == without);
 }
+
+/// One pixel of this frame was lit, where rounding shows the floor a little within a block that stands on it: caps of the block's
+/// far side took it for a part of themselves.
+#[test]
+fn at_the_foot_of_solids_nothing_is_lit() {
+    let Some(mut renderer) = shadowgraph_testing::renderer() else { return };
+    let (.., mut columns) =
+        shadowgraph::demo::all().into_iter().find(|(name, ..)| *name == "columns").unwrap();
+    let shadows: Vec<_> = columns.shadows().map(|(key, _)| key).collect();
+    for key in shadows {
+        *columns.shadow_mut(key).unwrap() = smooth().into();
+    }
+    let camera = columns.snapshot().unwrap().cameras[0].clone();
+    let view = FrameRequest::new(camera, [1280, 720]);
+    let found = super::stage::errors(&mut renderer, "columns", &columns, &view);
+    assert!(found.iter().all(|error| error.passes()), "{found:?}");
+}
