@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use shadowgraph::demo;
+use shadowgraph::measure::motion::{Motion, Moving};
 use shadowgraph::measure::timing::time_frames;
 use shadowgraph::measure::{LightError, Measured, ReferenceImage, pictures};
 use shadowgraph::prelude::*;
@@ -80,8 +81,11 @@ fn show(renderer: &mut Renderer, args: &DemoArgs, name: &str, scene: &Scene) -> 
     for (key, _) in &shadows {
         unshadowed.remove(*key).map_err(RenderError::from)?;
     }
-    let plain = time_frames(renderer, &unshadowed, &request, args.frames as usize)?;
-    let timed = time_frames(renderer, scene, &request, args.frames as usize)?;
+    let mut time = |scene: &Scene| {
+        let mut still = Moving::new(scene.clone(), request.clone(), Motion::Still)?;
+        time_frames(renderer, &mut still, args.frames as usize)
+    };
+    let [plain, timed] = [time(&unshadowed)?, time(scene)?];
     let evaluation = with_progress(renderer, scene, &request)?;
 
     let path = args.output.join(format!("{name}.png"));
@@ -99,8 +103,8 @@ fn show(renderer: &mut Renderer, args: &DemoArgs, name: &str, scene: &Scene) -> 
     let scene_row = format!(
         "{name:<11} {:>6} {:>12.2} {:>12.2} {:>14} {:>8} {:>12.5} {:>12}",
         evaluation.errors.len(),
-        plain.wall_ms.median,
-        timed.wall_ms.median,
+        plain.frames.wall_ms.median,
+        timed.frames.wall_ms.median,
         compared,
         wrong,
         100.0 * wrong as f64 / compared.max(1) as f64,

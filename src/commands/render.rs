@@ -9,6 +9,7 @@ use shadowgraph::engine::gpu::GpuError;
 use shadowgraph::engine::render::Frame;
 use shadowgraph::engine::shadow::Catalog;
 use shadowgraph::measure::json::{error_json, spread_json};
+use shadowgraph::measure::motion::{Motion, Moving};
 use shadowgraph::measure::pictures::PictureError;
 use shadowgraph::measure::timing::{Spread, Timed, time_frames};
 use shadowgraph::measure::{
@@ -47,6 +48,13 @@ pub(crate) struct RenderArgs {
     /// Times this many frames after a warm-up.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: Option<u32>,
+    /// Turns the camera by one degree from one timed frame to the next, round the scene's middle.
+    #[arg(long, requires = "frames")]
+    orbit: bool,
+    /// Plays the scene's animation in the timed frames, over and over, 60 of them a second: the first, or that of --animation, from
+    /// --time on.
+    #[arg(long, requires = "frames", conflicts_with = "orbit")]
+    play: bool,
     /// Writes everything measured as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -105,7 +113,11 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
     let frame = renderer.render(&scene, &request, &options)?;
     let timed = match args.frames {
-        Some(frames) => Some(time_frames(&mut renderer, &scene, &request, frames as usize)?),
+        Some(frames) => {
+            let motion = args.motion(&scene)?;
+            let moving = Moving::new(scene.clone(), request.clone(), motion).map_err(RenderError::from)?;
+            Some(time_frames(&mut renderer, &mut { moving }, frames as usize)?)
+        }
         None => None,
     };
     let judged = args.error || args.sheet.is_some();
@@ -152,6 +164,17 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         out!("against the whole light ({CONVERGED_SAMPLES} samples):\n{}", ErrorTable(&converged.errors));
     }
     Ok(())
+}
+
+impl RenderArgs {
+    /// What moves while frames are timed.
+    fn motion(&self, scene: &Scene) -> Result<Motion, Failure> {
+        Ok(match (self.orbit, self.play) {
+            (true, _) => Motion::Eye,
+            (_, true) => Motion::Clip(self.scene.clip(scene, "--play")?, self.scene.time.unwrap_or(0.0)),
+            _ => Motion::Still,
+        })
+    }
 }
 
 /// The errors on every layer of transparent surfaces that shadows fall on, nearest first.
@@ -280,7 +303,9 @@ fn stage_layers(
 
 fn print_times(frame: &Frame, timed: &Timed) {
     let spread = |s: &Spread| format!("median {:.3} ms, min {:.3}, max {:.3}", s.median, s.min, s.max);
-    out!("frame, wall clock: {}", spread(&timed.wall_ms));
+    out!("frame, wall clock: {}", spread(&timed.frames.wall_ms));
+    out!("  on the CPU, planning: {}", spread(&timed.frames.plan_ms));
+    out!("  on the CPU, encoding: {}", spread(&timed.frames.encode_ms));
     if let Some(gpu) = &timed.passes.frame_ms {
         out!("frame, GPU clock: {}", spread(gpu));
     }
@@ -347,9 +372,11 @@ fn report(
         "lights": lights,
     });
     if let Some(timed) = timed {
-        let mut times = spread_json(&timed.wall_ms);
+        let mut times = spread_json(&timed.frames.wall_ms);
         times["count"] = json!(frames);
-        times["wall"] = spread_json(&timed.wall_ms);
+        times["wall"] = spread_json(&timed.frames.wall_ms);
+        times["plan"] = spread_json(&timed.frames.plan_ms);
+        times["encode"] = spread_json(&timed.frames.encode_ms);
         times["gpu"] = timed.passes.frame_ms.as_ref().map_or(Value::Null, spread_json);
         report["frames"] = times;
     }

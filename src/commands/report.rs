@@ -38,8 +38,8 @@ pub(crate) struct ReportArgs {
     /// The size of the scenes' frames instead of that of the effort.
     #[arg(long, value_name = "WxH")]
     pub(super) size: Option<Size>,
-    /// What is measured: scenes, scaling, sweeps; several joined by commas.
-    #[arg(long, value_name = "PARTS", value_delimiter = ',', default_value = "scenes,scaling,sweeps")]
+    /// What is measured: scenes, scaling, motion, sweeps; several joined by commas.
+    #[arg(long, value_name = "PARTS", value_delimiter = ',', default_value = "scenes,scaling,motion,sweeps")]
     parts: Vec<Part>,
     /// Writes the main plot to this file as well.
     #[arg(long, value_name = "FILE.svg")]
@@ -58,6 +58,7 @@ pub(crate) struct ReportArgs {
 enum Part {
     Scenes,
     Scaling,
+    Motion,
     Sweeps,
 }
 
@@ -69,8 +70,12 @@ impl ReportArgs {
             _ => Effort::DEFAULT,
         };
         let has = |part| self.parts.contains(&part);
-        let parts =
-            Parts { scenes: has(Part::Scenes), scaling: has(Part::Scaling), sweeps: has(Part::Sweeps) };
+        let parts = Parts {
+            scenes: has(Part::Scenes),
+            scaling: has(Part::Scaling),
+            motion: has(Part::Motion),
+            sweeps: has(Part::Sweeps),
+        };
         // Ten scenes with every setting would not be quick.
         let scene_settings = !(self.quick && self.scenes.is_empty());
         let size_px = self.size.map_or(effort.size_px, |size| size.0);

@@ -6,7 +6,7 @@ use clap::Args;
 use glam::{DAffine3, DVec3};
 use shadowgraph::engine::gltf::{GltfError, LoadOptions, Loaded, SceneChoice, ShadowTypes, load_with};
 use shadowgraph::engine::math::{Aabb, Projection};
-use shadowgraph::engine::scene::look_at;
+use shadowgraph::engine::scene::{AnimationKey, look_at};
 use shadowgraph::engine::shadow::receivers_for;
 use shadowgraph::engine::shadow::{Catalog, ShadowError};
 use shadowgraph::measure::ReferenceShadow;
@@ -173,20 +173,25 @@ impl SceneArgs {
     /// Shows the animation that was asked for at the time that was asked for.
     fn animate(&self, scene: &mut Scene) -> Result<(), Failure> {
         let Some(seconds) = self.time else { return Ok(()) };
+        let clip = self.clip(scene, "--time")?;
+        Ok(scene.animate(clip, seconds).map_err(RenderError::from)?)
+    }
+
+    /// The animation that was asked for, for what `option` does with it.
+    pub(crate) fn clip(&self, scene: &Scene, option: &str) -> Result<AnimationKey, Failure> {
         let names = || {
             let names =
                 scene.animations().map(|(_, animation)| format!("'{}'", animation.name.escape_debug()));
             names.collect::<Vec<_>>().join(", ")
         };
         let first = scene.animations().next().map(|(key, _)| key);
-        let first = first.ok_or_else(|| Failure::Usage("--time: the scene has no animation".into()))?;
-        let animation = match &self.animation {
-            None => first,
+        let first = first.ok_or_else(|| Failure::Usage(format!("{option}: the scene has no animation")))?;
+        match &self.animation {
+            None => Ok(first),
             Some(name) => scene.find_animation(name).ok_or_else(|| {
                 Failure::Usage(format!("no animation is called '{name}' (there are: {})", names()))
-            })?,
-        };
-        Ok(scene.animate(animation, seconds).map_err(RenderError::from)?)
+            }),
+        }
     }
 
     fn camera(&self, scene: &Scene, framed_bounds: &Aabb) -> Result<CameraSnapshot, Failure> {

@@ -38,6 +38,38 @@ fn times_and_animations_are_chosen() {
     names_all(&said, &["'run'", "'slide'", "'jump'"]);
 }
 
+/// Frames are timed while something moves; the picture is that of the first.
+#[test]
+fn motion_is_timed() {
+    let folder = Folder::new();
+    folder.save("yard.glb", &moving_yard());
+    folder.save("still.glb", &shadowed_yard(&[]));
+    let view = "--size 64x48 --eye 6,5,8 --target 0,0,0";
+    for moves in ["--orbit", "--play"] {
+        names_all(&folder.refuses(2, &format!("render yard.glb -o out.png {moves}")), &["--frames"]);
+    }
+    names_all(
+        &folder.refuses(2, "render yard.glb -o out.png --frames 2 --orbit --play"),
+        &["--orbit", "--play"],
+    );
+    if shadowgraph_testing::renderer().is_none() {
+        return;
+    }
+    names_all(
+        &folder.refuses(2, "render still.glb -o out.png --frames 2 --play"),
+        &["--play", "no animation"],
+    );
+    for moves in ["", "--orbit", "--play", "--play --time 1 --animation jump"] {
+        let out = format!("render yard.glb {view} -o out.png --frames 5 --json out.json {moves}");
+        let ran = folder.run(&out).ok();
+        names_all(&ran.stdout, &["on the CPU, planning: median", "on the CPU, encoding: median"]);
+        let report: Value = serde_json::from_slice(&std::fs::read(folder.path("out.json")).unwrap()).unwrap();
+        let part = |part: &str| report["frames"][part]["median_ms"].as_f64().unwrap();
+        let (plan_ms, encode_ms, wall_ms) = (part("plan"), part("encode"), part("wall"));
+        assert!(plan_ms > 0.0 && plan_ms + encode_ms < wall_ms, "{moves}: {report}");
+    }
+}
+
 /// What is rendered is the pose: the same factor as of a scene that was moved by hand.
 #[test]
 fn renders_show_the_time_that_was_asked_for() {

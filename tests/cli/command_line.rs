@@ -157,6 +157,7 @@ fn json_holds_everything_measured() {
     let frames = &report["frames"];
     assert!(ordered(frames) && ordered(&frames["wall"]), "{frames}");
     assert!(frames["gpu"].is_null() || ordered(&frames["gpu"]), "{frames}");
+    assert!(ordered(&frames["plan"]) && ordered(&frames["encode"]), "{frames}");
     let timestamps = !frames["gpu"].is_null();
     let passes = report["passes"].as_array().expect("passes");
     assert!(!passes.is_empty());

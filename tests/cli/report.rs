@@ -16,7 +16,7 @@ use shadowgraph::measure::timing::Pace;
 use shadowgraph::prelude::*;
 use shadowgraph_testing::{renderer, shadowed_yard};
 
-const SCENES: Parts = Parts { scenes: true, scaling: false, sweeps: false };
+const SCENES: Parts = Parts { scenes: true, scaling: false, motion: false, sweeps: false };
 const PACE: Pace = Pace { min_rounds: 3, max_rounds: 3, budget: Duration::ZERO };
 /// Everything, as little of it as can be.
 const TINY: Effort = Effort {
@@ -192,8 +192,8 @@ fn refusals_show_their_reason_and_failures_do_not_stop_the_rest() {
 }
 
 #[test]
-fn cost_and_sweeps_are_measured_for_every_technique() {
-    let effort = Effort { parts: Parts { scenes: false, scaling: true, sweeps: true }, ..TINY };
+fn cost_motion_and_sweeps_are_measured_for_every_technique() {
+    let effort = Effort { parts: Parts { scenes: false, scaling: true, motion: true, sweeps: true }, ..TINY };
     let Some(report) = report_on(&[], &effort) else { return };
     assert_eq!(
         report.axes.iter().map(|axis| axis.parameter).collect::<Vec<_>>(),
@@ -205,6 +205,17 @@ fn cost_and_sweeps_are_measured_for_every_technique() {
         // Discs take neither knots nor boxes.
         assert!(of("disc").iter().all(|step| matches!(&step.outcome, Outcome::Refused(_))));
         assert_eq!(axis.unshadowed_ms.len(), of("hard").len());
+    }
+    let moves: Vec<_> = report.motions.iter().map(|motion| (motion.scene, motion.moves)).collect();
+    assert_eq!(moves[..4], ["nothing", "the eye", "the lights", "a caster"].map(|moves| ("knot", moves)));
+    assert_eq!(report.motions.len(), 8);
+    for motion in &report.motions {
+        let of = |name: &str| &motion.techniques.iter().find(|(known, _)| known == name).unwrap().1;
+        let hard = of("hard").measured().unwrap();
+        // The parts are parts of the whole.
+        assert!(hard.plan_ms.min > 0.0 && hard.encode_ms.min > 0.0, "{}", motion.moves);
+        assert!(hard.plan_ms.min + hard.encode_ms.min < hard.wall_ms.max, "{}", motion.moves);
+        assert!(motion.unshadowed.is_some() && matches!(of("disc"), Outcome::Refused(_)));
     }
     assert!(report.sweeps.len() > 10);
     for sweep in &report.sweeps {
@@ -219,7 +230,7 @@ fn cost_and_sweeps_are_measured_for_every_technique() {
         }
     }
     let files = report::files(&report);
-    names_all(&text(&files, "index.html"), &["Cost against size", "exponent", "offset-exact"]);
+    names_all(&text(&files, "index.html"), &["Cost against size", "exponent", "a caster", "offset-exact"]);
     assert!(files.iter().any(|(path, _)| path.ends_with("plots/cost-lights.svg")));
 }
 

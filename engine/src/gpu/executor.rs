@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
+use std::time::Instant;
 
 use bytemuck::Zeroable;
 use wgpu::TextureFormat;
@@ -81,6 +82,8 @@ pub struct Executed {
     pub times: Vec<PassTime>,
     /// GPU time from the first pass's beginning to the last one's end, in milliseconds.
     pub gpu_ms: Option<f64>,
+    /// CPU time until the GPU had all its commands, in milliseconds.
+    pub encode_ms: f64,
     /// Bytes on the GPU: slots, meshes, textures.
     pub gpu_bytes: u64,
 }
@@ -173,6 +176,7 @@ impl Executor {
     /// What exceeds a limit or the budget, before anything is allocated; what is wrong with a shader; what the device
     /// reports, with the adapter's name. An executor whose device was lost is of no use any more.
     pub fn execute(&mut self, plan: &FramePlan, inputs: &FrameInputs<'_>) -> Result<Executed, GpuError> {
+        let start = Instant::now();
         let (count, limit) = (inputs.snapshot.lights.len(), MAX_LIGHTS);
         if count > limit {
             return Err(GpuError::TooManyLights { count, limit });
@@ -181,7 +185,7 @@ impl Executor {
         self.begin_frame();
         self.make_room(plan, inputs)?;
         let gpu = self.gpu.clone();
-        let executed = gpu.checked(|| self.execute_within_budget(plan, inputs));
+        let executed = gpu.checked(|| self.execute_within_budget(plan, inputs, start));
         if executed.is_ok() {
             self.kept_textures.renewed();
         } else {
@@ -197,6 +201,7 @@ impl Executor {
         &mut self,
         plan: &FramePlan,
         inputs: &FrameInputs<'_>,
+        start: Instant,
     ) -> Result<Executed, GpuError> {
         self.upload_scene(plan, inputs);
         let slots = self.slots(plan, inputs.snapshot);
@@ -226,10 +231,12 @@ impl Executor {
             }
         }
         self.gpu.queue.submit([encoder.finish()]);
+        let encode_ms = start.elapsed().as_secs_f64() * 1e3;
         self.gpu.wait()?;
 
         let mut executed = Executed {
             gpu_bytes: plan.bytes() + self.meshes.bytes() + self.materials.bytes(),
+            encode_ms,
             kept: plan.passes.iter().filter(|pass| !runs(pass)).map(|pass| pass.name.clone()).collect(),
             ..Executed::default()
         };

@@ -1,6 +1,7 @@
 //! One object that renders scenes: poses, collects, plans and executes, and keeps what does not change.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use thiserror::Error;
 
@@ -77,6 +78,10 @@ pub struct Frame {
     pub times: Vec<PassTime>,
     /// GPU time of the whole frame, in milliseconds.
     pub gpu_ms: Option<f64>,
+    /// CPU time of posing, collecting and planning, in milliseconds.
+    pub plan_ms: f64,
+    /// CPU time from the plan until the GPU had all its commands, in milliseconds.
+    pub encode_ms: f64,
     /// Bytes on the GPU: the plan's slots, meshes and textures.
     pub gpu_bytes: u64,
 }
@@ -174,7 +179,9 @@ impl Renderer {
         request: &FrameRequest,
         options: &RenderOptions,
     ) -> Result<Frame, RenderError> {
+        let start = Instant::now();
         let plan = self.plan(scene, request)?;
+        let plan_ms = start.elapsed().as_secs_f64() * 1e3;
         let (snapshot, _) = self.snapshot(scene)?;
         let wanted = wanted_slots(&plan, options.read_picture);
         let read_back: Vec<SlotId> = wanted.iter().map(|(slot, _)| *slot).collect();
@@ -187,7 +194,7 @@ impl Renderer {
             read_back: &read_back,
         };
         let executed = self.executor.execute(&plan, &inputs)?;
-        Ok(frame_of(plan, wanted, executed)?)
+        Ok(Frame { plan_ms, ..frame_of(plan, wanted, executed)? })
     }
 }
 
@@ -220,7 +227,7 @@ fn frame_of(
     wanted: Vec<(SlotId, Purpose)>,
     executed: Executed,
 ) -> Result<Frame, PixelsError> {
-    let Executed { pixels, kept, times, gpu_ms, gpu_bytes } = executed;
+    let Executed { pixels, kept, times, gpu_ms, encode_ms, gpu_bytes } = executed;
     let mut frame = Frame {
         layers: vec![FrameLayer::default(); plan.layer_triangles.len()],
         plan,
@@ -230,6 +237,8 @@ fn frame_of(
         kept,
         times,
         gpu_ms,
+        plan_ms: 0.0,
+        encode_ms,
         gpu_bytes,
     };
     for ((_, purpose), pixels) in wanted.into_iter().zip(pixels) {

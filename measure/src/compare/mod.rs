@@ -6,6 +6,7 @@ pub(crate) mod evaluate;
 pub mod json;
 mod layers;
 pub(crate) mod metrics;
+pub mod motion;
 pub mod pictures;
 pub mod timing;
 mod verdict;

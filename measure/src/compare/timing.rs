@@ -6,6 +6,8 @@ use shadowgraph_engine::gpu::Timing;
 use shadowgraph_engine::render::{FrameRequest, RenderError, RenderOptions, Renderer};
 use shadowgraph_engine::scene::Scene;
 
+use super::motion::{Motion, Moving};
+
 /// Median, quartiles, minimum and maximum of some values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread {
@@ -40,10 +42,21 @@ impl Spread {
 /// What timing a scene gave.
 #[derive(Clone, Debug)]
 pub struct Timed {
-    /// Whole frames on the wall clock, in milliseconds: planning, encoding, executing, waiting.
-    pub wall_ms: Spread,
+    /// Whole frames.
+    pub frames: FrameTimes,
     /// What the passes took.
     pub passes: PassTimes,
+}
+
+/// Whole frames, in milliseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrameTimes {
+    /// On the wall clock: planning, encoding, executing, waiting.
+    pub wall_ms: Spread,
+    /// Of it on the CPU: posing, collecting, planning.
+    pub plan_ms: Spread,
+    /// And then until the GPU had all its commands.
+    pub encode_ms: Spread,
 }
 
 /// Times on the GPU's clock, in milliseconds.
@@ -59,32 +72,66 @@ pub struct PassTimes {
 const SLOW_ROUNDS: usize = 3;
 
 /// Frames rendered before any is counted.
-const WARM_UP_FRAMES: usize = 3;
+pub(crate) const WARM_UP_FRAMES: usize = 3;
 
-/// Times `frames` frames of an unmoved scene, and then as many with every pass apart.
+/// Times `frames` frames, and then as many with every pass apart.
 ///
 /// # Errors
 /// As [`Renderer::render`].
 pub fn time_frames(
     renderer: &mut Renderer,
-    scene: &Scene,
-    request: &FrameRequest,
+    moving: &mut Moving,
     frames: usize,
 ) -> Result<Timed, RenderError> {
-    let mut wall_ms = Vec::with_capacity(frames);
+    let mut rounds = Rounds::default();
     for frame in 0..frames + WARM_UP_FRAMES {
-        let start = Instant::now();
-        renderer.render(scene, request, &RenderOptions::default())?;
-        if frame >= WARM_UP_FRAMES {
-            wall_ms.push(milliseconds(start.elapsed()));
-        }
+        rounds.render(renderer, moving, frame, frame >= WARM_UP_FRAMES)?;
     }
-    let passes = time_passes(renderer, scene, request, frames, Duration::MAX)?;
-    Ok(Timed { wall_ms: Spread::of(wall_ms), passes })
+    let passes = time_moving_passes(renderer, moving, frames, Duration::MAX)?;
+    Ok(Timed { frames: rounds.times(), passes })
 }
 
-/// Times `frames` frames with every pass apart, after one that is not counted; fewer when these take longer than `budget`,
-/// but one.
+/// The times of frames so far.
+#[derive(Clone, Debug, Default)]
+pub struct Rounds {
+    wall_ms: Vec<f64>,
+    plan_ms: Vec<f64>,
+    encode_ms: Vec<f64>,
+}
+
+impl Rounds {
+    /// Renders frame `number` of what moves, and remembers its times if it `counts`. Moving it is not timed.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn render(
+        &mut self,
+        renderer: &mut Renderer,
+        moving: &mut Moving,
+        number: usize,
+        counts: bool,
+    ) -> Result<(), RenderError> {
+        moving.show(number)?;
+        let start = Instant::now();
+        let frame = renderer.render(&moving.scene, &moving.request, &RenderOptions::default())?;
+        if counts {
+            self.wall_ms.push(milliseconds(start.elapsed()));
+            self.plan_ms.push(frame.plan_ms);
+            self.encode_ms.push(frame.encode_ms);
+        }
+        Ok(())
+    }
+
+    /// Their medians and spreads.
+    pub fn times(&self) -> FrameTimes {
+        let [wall_ms, plan_ms, encode_ms] =
+            [&self.wall_ms, &self.plan_ms, &self.encode_ms].map(|times_ms| Spread::of(times_ms.clone()));
+        FrameTimes { wall_ms, plan_ms, encode_ms }
+    }
+}
+
+/// Times `frames` frames of an unmoved scene with every pass apart, after one that is not counted; fewer when these take longer
+/// than `budget`, but one.
 ///
 /// # Errors
 /// As [`Renderer::render`].
@@ -95,6 +142,16 @@ pub fn time_passes(
     frames: usize,
     budget: Duration,
 ) -> Result<PassTimes, RenderError> {
+    let mut moving = Moving::new(scene.clone(), request.clone(), Motion::Still)?;
+    time_moving_passes(renderer, &mut moving, frames, budget)
+}
+
+fn time_moving_passes(
+    renderer: &mut Renderer,
+    moving: &mut Moving,
+    frames: usize,
+    budget: Duration,
+) -> Result<PassTimes, RenderError> {
     let start = Instant::now();
     let options = RenderOptions { timing: Timing::Passes, ..RenderOptions::default() };
     let (mut gpu_ms, mut pass_ms): (Vec<f64>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
@@ -102,10 +159,17 @@ pub fn time_passes(
         if frame > 1 && start.elapsed() >= budget {
             break;
         }
-        let rendered = renderer.render(scene, request, &options)?;
-        pass_ms.resize(rendered.plan.passes.len(), Vec::new());
-        if frame > 0 && rendered.gpu_ms.is_some() {
+        moving.show(frame)?;
+        let rendered = renderer.render(&moving.scene, &moving.request, &options)?;
+        let passes = rendered.plan.passes.len();
+        if frame == 0 {
+            pass_ms.resize(passes, Vec::new());
+        } else if rendered.gpu_ms.is_some() {
             gpu_ms.extend(rendered.gpu_ms);
+            // Of something that moves, another frame may have other passes: they are not those of the first.
+            if passes != pass_ms.len() {
+                continue;
+            }
             // What did not run, since what it draws was kept, took no time.
             for (index, all) in pass_ms.iter_mut().enumerate() {
                 let time = rendered.times.iter().find(|time| time.passes.contains(&index));

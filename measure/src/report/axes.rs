@@ -24,9 +24,14 @@ pub(super) struct AxisScene {
 impl AxisScene {
     /// The scene with its camera.
     pub(super) fn build(&self) -> (Scene, CameraSnapshot) {
-        let camera = Camera::perspective("main", 45_f64.to_radians());
-        ((self.build)(), CameraSnapshot::looking(camera, EYE[0], EYE[1]))
+        seen((self.build)())
     }
+}
+
+/// A scene with the camera that all of them are seen by.
+pub(super) fn seen(scene: Scene) -> (Scene, CameraSnapshot) {
+    let camera = Camera::perspective("main", 45_f64.to_radians());
+    (scene, CameraSnapshot::looking(camera, EYE[0], EYE[1]))
 }
 
 const EYE: [DVec3; 2] = [DVec3::new(3.2, 3.6, 6.2), DVec3::new(0.0, 0.9, 0.0)];
@@ -82,7 +87,7 @@ fn lamp(scene: &mut Scene, name: &str, at: DVec3, candela: f32) {
     scene.add_light(Light::point(name, candela), at, DVec3::ZERO);
 }
 
-fn triangles(count: u32) -> Scene {
+pub(super) fn triangles(count: u32) -> Scene {
     let mut scene = knot_of(count);
     lamp(&mut scene, "lamp", LAMP, 160.0);
     scene
@@ -100,7 +105,7 @@ fn lights(count: u32) -> Scene {
     scene
 }
 
-fn casters(count: u32) -> Scene {
+pub(super) fn casters(count: u32) -> Scene {
     let mut scene = over_floor(vec![]);
     add_instances(&mut scene, small_box(), (0..count).map(strewn));
     lamp(&mut scene, "lamp", LAMP, 160.0);

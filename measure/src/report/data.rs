@@ -7,7 +7,7 @@ use shadowgraph_engine::scene::{CameraSnapshot, Params, Scene};
 use super::totals::Totals;
 use crate::LightError;
 use crate::cases::sweeps::Swept;
-use crate::compare::timing::Spread;
+use crate::compare::timing::{FrameTimes, Spread};
 
 /// A scene to report on.
 #[derive(Clone, Debug)]
@@ -38,6 +38,8 @@ pub struct Report {
     pub scenes: Vec<SceneReport>,
     /// Cost against the size of things.
     pub axes: Vec<AxisReport>,
+    /// Cost of motion.
+    pub motions: Vec<MotionReport>,
     /// Error against parameters.
     pub sweeps: Vec<SweepReport>,
     /// How many times smaller, along each side, the sweeps' frames are than their cases say.
@@ -63,6 +65,12 @@ impl Report {
                     failed.map(|(value, why)| format!("{technique} at {value} {}: {why}", axis.parameter)),
                 );
             }
+        }
+        for motion in &self.motions {
+            let failed = motion.techniques.iter().filter_map(|(name, of)| Some((name, of.failure()?)));
+            failures.extend(failed.map(|(name, why)| {
+                format!("{name} while {} moves before '{}': {why}", motion.moves, motion.scene)
+            }));
         }
         for sweep in &self.sweeps {
             for (technique, steps) in &sweep.techniques {
@@ -241,6 +249,21 @@ pub struct AxisStep {
     pub value: f64,
     /// Each round's frame minus that without shadows, in milliseconds.
     pub outcome: Outcome<Spread>,
+}
+
+/// Frames of one scene in one motion.
+#[derive(Clone, Debug)]
+pub struct MotionReport {
+    /// The scene's name.
+    pub scene: &'static str,
+    /// What it shows.
+    pub shows: &'static str,
+    /// What moves from frame to frame.
+    pub moves: &'static str,
+    /// Frames without shadows; `None` where they could not be rendered.
+    pub unshadowed: Option<FrameTimes>,
+    /// For each technique and setting its frames.
+    pub techniques: Vec<(String, Outcome<FrameTimes>)>,
 }
 
 /// Error against a parameter.

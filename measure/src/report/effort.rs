@@ -11,6 +11,8 @@ pub struct Parts {
     pub scenes: bool,
     /// Cost against the size of things.
     pub scaling: bool,
+    /// Cost of motion.
+    pub motion: bool,
     /// Error against parameters.
     pub sweeps: bool,
 }
@@ -91,7 +93,7 @@ impl Effort {
     /// Every setting on every scene; with soft shadows in a furnished room that takes the software driver a while.
     pub const DEFAULT: Self = Self {
         name: "default",
-        parts: Parts { scenes: true, scaling: true, sweeps: true },
+        parts: Parts { scenes: true, scaling: true, motion: true, sweeps: true },
         size_px: [1280, 720],
         soft_size_px: [320, 180],
         whole_light_samples: [4096, 1024],

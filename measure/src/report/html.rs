@@ -3,11 +3,11 @@
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
 use super::data::{AxisReport, Report, SweepReport};
-use super::html_scene;
 use super::scales::{count, number};
 use super::svg::Svg;
 use super::tables::OverviewRow;
 use super::{Fit, Totals, fit, plots, style, tables};
+use super::{html_motion, html_scene};
 use crate::cases::sweeps::ShowsIn;
 
 /// A cell of a table.
@@ -92,11 +92,12 @@ pub(super) fn plot(size: &str, svg: &Svg, title: &str, caption: &Markup) -> Mark
 }
 
 /// The parts of the page, by their place in it.
-const NAVIGATION: [(&str, &str); 8] = [
+const NAVIGATION: [(&str, &str); 9] = [
     ("#how", "How to read it"),
     ("#all", "All scenes"),
     ("#scenes", "Scene by scene"),
     ("#cost", "Cost against size"),
+    ("#motion", "Cost of motion"),
     ("#sweeps", "Error against parameters"),
     ("#refused", "Refused and failed"),
     ("report.csv", "CSV"),
@@ -126,6 +127,7 @@ pub(super) fn page(report: &Report) -> String {
                     @for scene in &report.scenes { (html_scene::scene(report, scene)) }
                 }
                 (cost(report))
+                (html_motion::motion(report))
                 (sweeps(report))
                 (refused(report))
             }
@@ -153,7 +155,7 @@ pub(super) fn document(title: &str, body: &Markup) -> String {
     page.into_string().replace(is_odd, "\u{fffd}")
 }
 
-fn not_measured() -> Markup {
+pub(super) fn not_measured() -> Markup {
     html! { p.soft { "Not measured in this run." } }
 }
 

@@ -3,12 +3,12 @@
 use serde_json::{Map, Value, json};
 use shadowgraph_engine::scene::{ParamValue, Params};
 
-use super::data::{AxisReport, Measurement, Outcome, Point, Report, SceneReport, SweepReport};
+use super::data::{AxisReport, Measurement, MotionReport, Outcome, Point, Report, SceneReport, SweepReport};
 use super::fit::fit;
 use super::tables::axis_points;
 use super::totals::Totals;
 use crate::compare::json::{error_json, finite, spread_json};
-use crate::compare::timing::Spread;
+use crate::compare::timing::{FrameTimes, Spread};
 
 pub(super) fn report_json(report: &Report) -> Value {
     let techniques: Vec<Value> = report
@@ -27,9 +27,35 @@ pub(super) fn report_json(report: &Report) -> Value {
         "techniques": techniques,
         "scenes": report.scenes.iter().map(scene_json).collect::<Vec<_>>(),
         "scaling": report.axes.iter().map(axis_json).collect::<Vec<_>>(),
+        "motion": report.motions.iter().map(motion_json).collect::<Vec<_>>(),
         "sweep_shrink": report.sweep_shrink,
         "sweeps": report.sweeps.iter().map(sweep_json).collect::<Vec<_>>(),
         "failures": report.failures(),
+    })
+}
+
+fn motion_json(motion: &MotionReport) -> Value {
+    let techniques = motion.techniques.iter().map(|(name, outcome)| match outcome {
+        Outcome::Measured(times) => {
+            json!({ "name": name, "status": "measured", "frames": frames_json(times) })
+        }
+        Outcome::Refused(reason) => json!({ "name": name, "status": "refused", "reason": reason }),
+        Outcome::Failed(reason) => json!({ "name": name, "status": "failed", "reason": reason }),
+    });
+    json!({
+        "scene": motion.scene,
+        "shows": motion.shows,
+        "moves": motion.moves,
+        "unshadowed": motion.unshadowed.as_ref().map(frames_json),
+        "techniques": techniques.collect::<Vec<_>>(),
+    })
+}
+
+fn frames_json(times: &FrameTimes) -> Value {
+    json!({
+        "wall": spread_json(&times.wall_ms),
+        "plan": spread_json(&times.plan_ms),
+        "encode": spread_json(&times.encode_ms),
     })
 }
 

@@ -20,9 +20,11 @@ mod data;
 mod effort;
 mod fit;
 mod html;
+mod html_motion;
 mod html_scene;
 mod json;
 mod labels;
+mod motion;
 mod pareto;
 mod plot;
 mod plots;
@@ -42,8 +44,8 @@ pub use chapter::{
     chapter_files,
 };
 pub use data::{
-    AxisReport, AxisStep, Measurement, Outcome, PassReport, Point, Report, ReportScene, SceneReport,
-    SweepReport, SweepStep,
+    AxisReport, AxisStep, Measurement, MotionReport, Outcome, PassReport, Point, Report, ReportScene,
+    SceneReport, SweepReport, SweepStep,
 };
 pub use effort::{Effort, Parts, Steps};
 pub use fit::{Fit, Line, fit, line};

@@ -8,6 +8,7 @@ use shadowgraph_engine::shadow::{Catalog, Setting, ShadowError, TechniqueEntry};
 use super::axes::{self, Axis, AxisScene};
 use super::data::{AxisReport, AxisStep, Outcome, Report, ReportScene, SweepReport, SweepStep, label};
 use super::effort::Effort;
+use super::motion;
 use super::references::References;
 use super::scene::{self, with_technique};
 use super::totals::Totals;
@@ -117,7 +118,9 @@ pub fn run(
     let axes = if effort.parts.scaling { axes::all(effort) } else { vec![] };
     let sweeps = if effort.parts.sweeps { sweeps::all() } else { vec![] };
     let scenes = if effort.parts.scenes { scenes } else { &[] };
+    let motions = if effort.parts.motion { motion::STEPS } else { 0 };
     let all = scenes.len() * scene::steps(&bench)
+        + motions
         + axes.iter().map(|axis| axis.steps.len()).sum::<usize>()
         + sweeps.iter().map(|sweep| bench.settings_for(sweep).len()).sum::<usize>();
     let mut steps = Steps { done: 0, all, watch };
@@ -136,6 +139,9 @@ pub fn run(
         references.forget();
     }
     report.axes = axes.iter().map(|axis| measure_axis(&bench, axis, &mut steps)).collect();
+    if effort.parts.motion {
+        report.motions = motion::measure(&bench, &bench.axis_settings(), &mut steps);
+    }
     // Nothing is timed there: one renderer, which compiles every shader once.
     let mut renderer = bench.renderer();
     report.sweeps =
