@@ -42,7 +42,19 @@ fn adjacency(bencher: Bencher<'_, '_>, triangles: u32) {
 /// Signs, silhouettes and caps of a moving light: everything but the kept adjacency is made anew.
 #[divan::bench(args = ["knot13k", "knot63k", "boxes1k", "plant"])]
 fn extraction(bencher: Bencher<'_, '_>, name: &str) {
-    let (scene, camera) = scene(name);
+    plan_with_moving_lights(bencher, scene(name));
+}
+
+/// The same for lights with a size: edges, triangles, and the lists of which matter where.
+#[divan::bench(args = ["knot13k", "boxes1k", "plant"])]
+fn soft_lists(bencher: Bencher<'_, '_>, name: &str) {
+    let (given, camera) = scene(name);
+    let mut soft = given.without_shadows();
+    soft.add_shadow("soft", ShadowVolumeSoft::default());
+    plan_with_moving_lights(bencher, (soft, camera));
+}
+
+fn plan_with_moving_lights(bencher: Bencher<'_, '_>, (scene, camera): (Scene, CameraSnapshot)) {
     let snapshot = scene.snapshot().unwrap();
     let registry = Registry::collect(&snapshot, &shadowgraph::nodes::catalog()).unwrap();
     let request = FrameRequest::new(camera, [1280, 720]);

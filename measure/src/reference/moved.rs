@@ -59,9 +59,11 @@ pub(crate) struct Moved<'a> {
     pub(super) position: DVec3,
     /// How far the snap moves a point at its distance, across the view.
     pub(super) snap_m: f64,
+    /// How many times as long as the snap the moves are: more than 1 where corners are far away.
+    pub(super) longer: f64,
     /// Where casters' surfaces in its plane end, as far as anybody has looked.
     pub(crate) rims: Vec<Rim<'a>>,
-    /// Whether the surface itself ends within the snap, as far as anybody has looked.
+    /// Whether the surface itself ends within its moves, as far as anybody has looked.
     pub(crate) at_edge: bool,
 }
 
@@ -132,6 +134,7 @@ impl<'a> Moved<'a> {
             eye_side,
             position,
             snap_m,
+            longer,
             rims: Vec::new(),
             at_edge: false,
         }

@@ -52,7 +52,7 @@ impl<'a> Tracer<'a> {
         let reference = self.reference;
         let opaque = (&reference.bvh, &reference.triangles[..]);
         let panes = reference.panes.as_ref().map(|panes| (&panes.bvh, &panes.triangles[..]));
-        let rays = rays(view, place);
+        let rays = rays(view, place, moved.longer);
         let mut found = InPlane::default();
         for (tree, is_pane) in [(Some(opaque), false), (panes, true)] {
             let Some(tree) = tree else { continue };
@@ -124,7 +124,9 @@ impl<'a> Tracer<'a> {
                 }
                 let ends = there < here && instance == moved.surface.instance;
                 at_edge |= ends;
-                let beyond = ends.then(|| self.beyond(moved, view, [place[0] + dx, place[1] + dy]));
+                let beyond = ends.then(|| {
+                    self.beyond(moved, view, [place[0] + dx * moved.longer, place[1] + dy * moved.longer])
+                });
                 rims.push(Rim { instance, seen: moved.surface, beyond: beyond.flatten() });
             }
         }
@@ -152,8 +154,8 @@ impl<'a> Tracer<'a> {
 /// Where a ray begins, and its direction.
 type Ray = (DVec3, DVec3);
 
-/// The rays through a place of the target, and through where it moves to.
-fn rays(view: &View<'_>, [x, y]: [f64; 2]) -> [Ray; 5] {
+/// The rays through a place of the target, and through where it moves to, which is so many times as far as corners are snapped.
+fn rays(view: &View<'_>, [x, y]: [f64; 2], longer: f64) -> [Ray; 5] {
     let [left, right, up, down] = SIDEWAYS;
-    [[0.0; 2], left, right, up, down].map(|[dx, dy]| view.ray([x + dx, y + dy]))
+    [[0.0; 2], left, right, up, down].map(|[dx, dy]| view.ray([x + dx * longer, y + dy * longer]))
 }
