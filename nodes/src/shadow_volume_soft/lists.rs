@@ -12,6 +12,7 @@
 //! vain changes nothing.
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 use shadowgraph_engine::geometry::{LightGrid, LightPlane};
 use shadowgraph_engine::math::Aabb;
 
@@ -137,11 +138,16 @@ impl SoftGrid {
         let half = (1.0 + 2.0 * CELL_MARGIN) / self.side as f64;
         for (number, plane) in self.planes.iter().enumerate() {
             let sides = EdgeSides::new(&edge.record, edge.center, plane);
-            let across = DVec2::new(plane.x_axis.length().recip(), plane.y_axis.length().recip());
+            let lengths = [plane.x_axis.length(), plane.y_axis.length()];
+            let across = DVec2::from(lengths).recip();
+            let ends = edge.ends.map(|p| {
+                let d = p - plane.origin;
+                DVec3::new(d.dot(plane.x_axis), d.dot(plane.y_axis), d.dot(plane.z_axis) + plane.z_offset)
+            });
             for slice in 0..self.slice_ends.len() {
                 let Some(reach_m) = self.reach(nearest, slice) else { continue };
                 let reach_m = reach_m + self.lost(nearest, slice);
-                let Some(footprint) = self.footprint(plane, edge.ends, reach_m) else { continue };
+                let Some(footprint) = self.footprint((plane, lengths), ends, reach_m) else { continue };
                 let (range, unsure) = (self.range(nearest, slice), self.unsure(slice));
                 self.cells_about(&footprint, |x, y| {
                     let middle = [x, y].map(|place| (2 * place + 1) as f64 / self.side as f64 - 1.0);
@@ -166,14 +172,15 @@ impl SoftGrid {
         ((plane * self.slice_ends.len() + slice) * self.side + y) * self.side + x
     }
 
-    /// The image of a segment on a plane with `reach_m` around it; `None` when it is not in view.
-    fn footprint(&self, plane: &LightPlane, ends: [DVec3; 2], reach_m: f64) -> Option<Footprint> {
+    /// The image of a segment on a plane, whose first two axes are so long, with `reach_m` around it; `None` when it is not in view. The
+    /// segment's ends are along the plane's axes.
+    fn footprint(
+        &self,
+        (plane, [x_length, y_length]): (&LightPlane, [f64; 2]),
+        [mut from, mut to]: [DVec3; 2],
+        reach_m: f64,
+    ) -> Option<Footprint> {
         let everything = Footprint { from: DVec2::ZERO, to: DVec2::ZERO, reach: f64::INFINITY };
-        let seen = |p: DVec3| {
-            let d = p - plane.origin;
-            DVec3::new(d.dot(plane.x_axis), d.dot(plane.y_axis), d.dot(plane.z_axis) + plane.z_offset)
-        };
-        let [mut from, mut to] = ends.map(seen);
         if plane.one_of_six {
             // What is beyond one side of the pyramid |x|, |y| ≤ z by more than the reach.
             let beyond =
@@ -187,7 +194,6 @@ impl SoftGrid {
                 (from, to) = clipped(from, to, outside, beyond)?;
             }
         }
-        let (x_length, y_length) = (plane.x_axis.length(), plane.y_axis.length());
         let reach_z = reach_m * plane.z_axis.length();
         let depth = from.z.min(to.z) - reach_z;
         if depth <= 1e-3 * (from.z.max(to.z) + reach_z) {
@@ -270,22 +276,27 @@ impl SoftGrid {
             }
             self = finer;
         }
-        let (edge_counts, edge_entries) = loop {
-            let (counts, entries) = self.entries_of(self.edge_lists(), (0..).zip(edges), Self::edge_cells);
+        let edge_entries = loop {
+            let entries = entries_of(edges, |index, edge, add| {
+                self.edge_cells(edge, &mut |list| add(list, index as u32));
+            });
             // Those that were asked may have been the small ones.
-            if entries.len() <= MOST_WORDS || self.side == 1 {
-                break (counts, entries);
+            if length(&entries) <= MOST_WORDS || self.side == 1 {
+                break entries;
             }
             self.side /= 2;
         };
-        let (triangle_counts, triangle_entries) = loop {
-            let listed = triangles.iter().map(|(number, corners)| (*number, corners));
-            let (counts, entries) = self.entries_of(self.triangle_lists(), listed, Self::triangle_cells);
-            if entries.len() <= MOST_WORDS || self.triangle_side == 1 {
-                break (counts, entries);
+        let triangle_entries = loop {
+            let entries = entries_of(triangles, |_, (number, corners), add| {
+                self.triangle_cells(corners, &mut |list| add(list, *number));
+            });
+            if length(&entries) <= MOST_WORDS || self.triangle_side == 1 {
+                break entries;
             }
             self.triangle_side /= 2;
         };
+        let edge_counts = counts(&edge_entries, self.edge_lists());
+        let triangle_counts = counts(&triangle_entries, self.triangle_lists());
         let mut words = Vec::new();
         let mut place = (edge_counts.len() + triangle_counts.len() + 2) as u32;
         for counts in [&edge_counts, &triangle_counts] {
@@ -301,29 +312,12 @@ impl SoftGrid {
             words[next[list] as usize] = number;
             next[list] += 1;
         };
-        edge_entries.into_iter().for_each(|(list, number)| put(list as usize, number));
+        edge_entries.iter().flatten().for_each(|(list, number)| put(*list as usize, *number));
         let first = edge_counts.len() + 1;
-        triangle_entries.into_iter().for_each(|(list, number)| put(first + list as usize, number));
+        triangle_entries.iter().flatten().for_each(|(list, number)| put(first + *list as usize, *number));
         let longest = [&edge_counts, &triangle_counts]
             .map(|counts| counts.iter().max().copied().unwrap_or_default() as usize);
         (self, words, longest)
-    }
-
-    /// What goes into each of so many lists: how many things, and (list, number) of each.
-    fn entries_of<'a, T: 'a>(
-        &self,
-        lists: usize,
-        things: impl Iterator<Item = (u32, &'a T)>,
-        cells_of: impl Fn(&Self, &T, &mut dyn FnMut(usize)),
-    ) -> (Vec<u32>, Vec<(u32, u32)>) {
-        let (mut counts, mut entries) = (vec![0; lists], Vec::new());
-        for (number, thing) in things {
-            cells_of(self, thing, &mut |list| {
-                counts[list] += 1;
-                entries.push((list as u32, number));
-            });
-        }
-        (counts, entries)
     }
 
     /// Calls `visit` with every list whose receivers may have the triangle before the light's centre.
@@ -339,6 +333,38 @@ impl SoftGrid {
             });
         }
     }
+}
+
+/// What is worth handing to another thread.
+const CHUNK: usize = 256;
+
+/// What goes into lists, chunk after chunk of the things that are listed: (list, number). `list` is asked of every thing, with its
+/// place, and calls what it is given with each.
+fn entries_of<T: Sync>(
+    things: &[T],
+    list: impl Fn(usize, &T, &mut dyn FnMut(usize, u32)) + Sync,
+) -> Vec<Vec<(u32, u32)>> {
+    let of_chunk = |(chunk, things): (usize, &[T])| {
+        let mut entries = Vec::new();
+        for (index, thing) in (chunk * CHUNK..).zip(things) {
+            list(index, thing, &mut |list, number| entries.push((list as u32, number)));
+        }
+        entries
+    };
+    things.par_chunks(CHUNK).enumerate().map(of_chunk).collect()
+}
+
+fn length(entries: &[Vec<(u32, u32)>]) -> usize {
+    entries.iter().map(Vec::len).sum()
+}
+
+/// How many entries each of so many lists has.
+fn counts(entries: &[Vec<(u32, u32)>], lists: usize) -> Vec<u32> {
+    let mut counts = vec![0; lists];
+    for (list, _) in entries.iter().flatten() {
+        counts[*list as usize] += 1;
+    }
+    counts
 }
 
 /// The part of a segment where outside·h ≤ `beyond`; `None` when there is none.
