@@ -45,6 +45,13 @@
 @group(1) @binding(9) var nearest_depth: texture_depth_2d;
 #endif
 
+#if LIGHT_TILES
+// How many tiles a row has, and words a tile; then tile by tile, row by row, a bit for each light that may reach something there.
+@group(1) @binding(10) var<storage, read> light_tiles: array<u32>;
+// A tile has 1 << this many pixels along a side.
+const LIGHT_TILE_SHIFT: u32 = 5u;
+#endif
+
 #if TINTED
 // What the picture loses of a light where a factor is 0. Entry i is for light i; the next factor of the same light is
 // entry `next`, with where it is, until `next` is 0.
@@ -365,9 +372,23 @@ fn shade(in: Varyings) -> vec4f {
 #if ONE_LIGHT
     lit += lit_by(lights[0], 0u, s, pixel, in.receives, ends_smooth(in, 0u));
 #else
+#if LIGHT_TILES
+    let tile = pixel >> vec2u(LIGHT_TILE_SHIFT);
+    let words = light_tiles[1];
+    let first_word = 2u + (tile.y * light_tiles[0] + tile.x) * words;
+    for (var word = 0u; word < words; word++) {
+        var reaching = light_tiles[first_word + word];
+        while reaching != 0u {
+            let i = word * 32u + firstTrailingBit(reaching);
+            reaching &= reaching - 1u;
+            lit += lit_by(lights[i], i, s, pixel, in.receives, ends_smooth(in, i));
+        }
+    }
+#else
     for (var i = 0u; i < frame.light_count; i++) {
         lit += lit_by(lights[i], i, s, pixel, in.receives, ends_smooth(in, i));
     }
+#endif
 #endif
 #if SURFACE_FUNCTION
     let color = outgoing(s, lit, ambient, emitted * frame.exposure);

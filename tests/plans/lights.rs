@@ -1,5 +1,6 @@
 //! How factors reach the shading pass: the stencil, the light mask, the visibility array; and who casts for whom.
 
+use shadowgraph::prelude::{DVec3, Light};
 use shadowgraph_engine::plan::{
     Access, Binding, BlendFactor, BlendOperation, FactorAt, FramePlan, Load, SlotKind, TextureFormat,
 };
@@ -259,4 +260,36 @@ fn factors_asked_for_are_images_and_the_visible_triangles_come_along() {
     // Not asked for, not there.
     let plan = shadowgraph_testing::plan(&lamps(2), &request());
     assert!(plan.visible_triangles.is_none() && plan.lights.iter().all(|light| light.factor_image.is_none()));
+}
+
+#[test]
+fn lights_are_confined_to_the_pixels_they_reach() {
+    let mut scene = with_floor();
+    add_box(&mut scene, "crate", at(0.0, 0.5, 0.0));
+    for (name, x) in [("left", -1.5), ("middle", 0.0), ("right", 1.5)] {
+        scene.add_lamp(Light::point(name, 1.0).with_range(1.2), DVec3::new(x, 1.2, 0.0));
+    }
+    // Behind the eye's back.
+    scene.add_lamp(Light::point("behind", 1.0).with_range(1.2), DVec3::new(0.0, 1.2, 40.0));
+    scene.add_shadow("shadows", hard(&[]));
+    let plan = plan(&scene, &request());
+    assert!(
+        plan.notes.iter().any(|note| note == "light 'behind' reaches nothing in view: no passes"),
+        "{plan}"
+    );
+    let mut within = Vec::new();
+    for name in ["left", "middle", "right"] {
+        let [volumes, resolve] = ["volumes of", "resolve"].map(|what| {
+            let pass = plan.passes.iter().find(|pass| pass.name == format!("{what} {name}"));
+            pass.unwrap_or_else(|| panic!("no {what} {name}: {plan}"))
+        });
+        let confined: Vec<_> =
+            volumes.draws.iter().chain(&resolve.draws).map(|draw| draw.scissor_px).collect();
+        let [x, y, width, height] = confined[0].unwrap_or_else(|| panic!("{name}: {plan}"));
+        assert!(confined.iter().all(|scissor| *scissor == confined[0]), "{name}: {confined:?}");
+        let [frame_width, frame_height] = request().size_px;
+        assert!(x + width <= frame_width && y + height <= frame_height, "{name}: {confined:?}");
+        within.push(x + width / 2);
+    }
+    assert!(within.is_sorted() && within[0] < within[2], "{within:?}");
 }

@@ -114,6 +114,7 @@ const SHADE_FLAGS: &[&str] = &[
     "COUNTS",
     "EMISSIVE_TEXTURE",
     "FARTHER",
+    "LIGHT_TILES",
     "MANY_LIGHTS",
     "MASK",
     "MASKED",

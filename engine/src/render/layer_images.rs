@@ -8,6 +8,7 @@ use super::factor_images::format_of;
 use super::factors::{Factors, Part};
 use super::layered::{Layered, LookedAt};
 use super::lights::ReceiverPasses;
+use super::reach;
 use super::request::FrameError;
 use super::resolve::{self, fullscreen};
 use super::schedule::{Group, Inputs, Needs, Schedule, Scope, Seen};
@@ -115,6 +116,7 @@ fn images_of<'p>(
         if last.is_some_and(|last| last > index) && part.is_some_and(Part::is_counted) {
             group.push(resolve::to_nothing(&light.name)?);
         }
+        reach::confine(&mut group, inputs.view, &inputs.snapshot.lights[index]);
         schedule.push_group(group);
     }
     Ok(())

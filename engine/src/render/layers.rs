@@ -20,11 +20,11 @@ use super::layer_images;
 use super::layered::Layered;
 use super::lights::{self, ReceiverPasses};
 use super::request::FrameError;
-use super::resolve;
 use super::schedule::{Inputs, Needs, Schedule, Scope, Seen};
 use super::seen;
 use super::shading::factor_bindings;
 use super::sorted::Sorted;
+use super::{reach, resolve};
 use crate::plan::{
     Access, Antialias, CompareFunction, DepthId, DrawState, LightPlanned, Resource, SlotId, SurfaceStyle,
 };
@@ -191,12 +191,14 @@ fn shade<'p>(
     let shadowed = receivers.are_shadowed();
     if shadowed {
         seen::add_on_layer(inputs, schedule, &scope)?;
-        for ((light, nodes), planned) in factors.lights.iter().zip(&receivers.lights).zip(lights) {
+        let in_scene = factors.lights.iter().zip(&receivers.lights).zip(&inputs.snapshot.lights);
+        for (((light, nodes), snapshot), planned) in in_scene.zip(lights) {
             for part in &light.shaded {
                 let mut group = part.group(&scope, nodes, &planned.name)?;
                 if let (Some(mask), Some(bit)) = (factors.mask, part.bit) {
                     group.push(resolve::to_mask(&planned.name, mask, bit)?);
                 }
+                reach::confine(&mut group, inputs.view, snapshot);
                 schedule.push_group(group);
             }
         }

@@ -4,8 +4,8 @@ use super::factor_images;
 use super::factors::{Factors, LightFactors, Part};
 use super::lights::{NodePasses, ReceiverPasses};
 use super::request::FrameError;
-use super::resolve;
 use super::schedule::{Group, Inputs, Needs, Schedule, Scope};
+use super::{reach, resolve};
 use crate::plan::{FULL_DARKENING, FactorAt, FactorPart, LightPlanned, Resource, SlotId};
 
 /// Adds the passes of all lights: what leaves each factor, an image of it where one was asked for, and what makes room for
@@ -26,13 +26,17 @@ pub(super) fn add<'p>(
         let own_shadow = nodes.iter().any(decides_own_shadow);
         let mut images = Images { inputs, factors, light: index, own_shadow, image: None };
         let name = &inputs.snapshot.lights[index].name;
+        let snapshot = &inputs.snapshot.lights[index];
         if let Some(part) = &light.alone {
-            schedule.push_group(part.group(scope, nodes, name)?);
+            let mut group = part.group(scope, nodes, name)?;
+            reach::confine(&mut group, inputs.view, snapshot);
+            schedule.push_group(group);
             let mut group = Group::new(&Scope { visibility: part.layer, ..scope.clone() });
             images.add(needs, &mut group, part.place())?;
             if part.is_counted() {
                 group.push(resolve::to_nothing(name)?);
             }
+            reach::confine(&mut group, inputs.view, snapshot);
             schedule.push_group(group);
         }
         for part in &light.shaded {
@@ -41,6 +45,7 @@ pub(super) fn add<'p>(
             if let (Some(mask), Some(bit)) = (factors.mask, part.bit) {
                 group.push(resolve::to_mask(name, mask, bit)?);
             }
+            reach::confine(&mut group, inputs.view, snapshot);
             schedule.push_group(group);
         }
         if images.image.is_none() {

@@ -1,5 +1,6 @@
 //! What the nodes of each light plan for one set of receivers.
 
+use super::reach;
 use super::request::FrameError;
 use super::schedule::{Inputs, Needs};
 use crate::plan::{DepthId, Resource, SlotKind, Symbol, TextureFormat};
@@ -62,7 +63,9 @@ pub(super) fn plan(
         let mut nodes = Vec::new();
         if claims.is_empty() {
             needs.note(format!("light '{}' has no shadow node: no passes", light.name));
-        } else if !light.may_reach(&inputs.view.receiver_bounds) {
+        } else if !light.may_reach(&inputs.view.receiver_bounds)
+            || reach::pixels(inputs.view, light).is_none()
+        {
             needs.note(format!("light '{}' reaches nothing in view: no passes", light.name));
         } else if falls && !left_out(index) {
             nodes = plan_light(inputs, needs, (index, layer), &mut once)?;

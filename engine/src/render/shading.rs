@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::factors::Factors;
+use super::light_tiles;
 use super::request::FrameError;
 use super::schedule::{Inputs, Needs, Schedule, Scope};
 use super::sorted::Sorted;
@@ -38,6 +39,7 @@ pub(super) fn add(
         // Which samples show the fragment that is shaded: their factors are averaged.
         bindings.push((3, Binding::Texture(DepthId::default().resource())));
     }
+    bindings.extend(light_tiles::add(inputs, needs).map(|tiles| (10, Binding::Storage(tiles.into()))));
     let mut state = DrawState::new(CompareFunction::Equal, vec![Some(BlendState::REPLACE)]);
     let mut depth = DepthTarget::TEST;
     if !before.prepass {

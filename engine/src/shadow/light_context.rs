@@ -1,5 +1,7 @@
 //! What a technique gets to know: one light, its casters, the receivers and the view.
 
+use glam::DVec4;
+
 use super::{Apply, Cache, Claim, Layer, ShadowError, culling};
 use crate::math::{Aabb, ViewFrustum};
 use crate::scene::{CameraSnapshot, Instance, LightSnapshot, SceneSnapshot};
@@ -22,6 +24,43 @@ pub struct View {
 }
 
 impl View {
+    /// x, y, width and height of the pixels around the images of everything between these points, which are homogeneous in the world;
+    /// `None` where that is none. A pixel is added on every side.
+    ///
+    /// Where some points are behind the near plane, what counts is where the lines between them and the others cross it.
+    pub fn pixels_around(&self, points: &[DVec4]) -> Option<[u32; 4]> {
+        let [width, height] = self.size_px.map(f64::from);
+        let clip_from_world = self.camera.clip_from_world(self.size_px);
+        let points: Vec<DVec4> = points.iter().map(|p| clip_from_world * *p).collect();
+        // In front of the eye: w > 0 for a perspective camera, and everywhere for an orthographic one. What is nearer than the
+        // near plane is not drawn, so a little of it may be left out.
+        let least_w = if self.frustum.eye.w > 0.0 { 0.5 * self.camera.projection.near_m() } else { 0.5 };
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        let mut add = |p: DVec4| {
+            for axis in 0..2 {
+                low[axis] = low[axis].min(p[axis] / p.w);
+                high[axis] = high[axis].max(p[axis] / p.w);
+            }
+        };
+        for (number, p) in points.iter().enumerate() {
+            if p.w >= least_w {
+                add(*p);
+            }
+            for q in &points[..number] {
+                if (p.w < least_w) != (q.w < least_w) {
+                    let share = (least_w - p.w) / (q.w - p.w);
+                    let crossing = *p + (*q - *p) * share;
+                    add(crossing.truncate().extend(least_w));
+                }
+            }
+        }
+        let pixel = |ndc: f64, size: f64, more: f64| ((ndc * 0.5 + 0.5) * size + more).clamp(0.0, size);
+        let (left, right) = (pixel(low[0], width, -1.0).floor(), pixel(high[0], width, 1.0).ceil());
+        let (top, bottom) = (pixel(-high[1], height, -1.0).floor(), pixel(-low[1], height, 1.0).ceil());
+        let is_something = right > left && bottom > top;
+        is_something.then(|| [left, top, right - left, bottom - top].map(|px| px as u32))
+    }
+
     /// The flags under which `place_px` of `common/frame` says where a texel of these images lies.
     pub fn sample_flags(&self) -> &'static [&'static str] {
         if self.samples > 1 { &["EACH_SAMPLE"] } else { &[] }

@@ -1,8 +1,7 @@
 //! Which pixels a shadow volume may touch: passes over the picture that only look at what it left are confined to them.
 //!
 //! A volume lies in the convex hull of the caster's box and of that box carried to the volume's end, which sixteen points
-//! span. Seen by the eye, it lies in the rectangle around these points; where some are behind the near plane, around where
-//! the lines between them and the others cross it.
+//! span. Seen by the eye, it lies in the rectangle around these points.
 
 use glam::{DVec3, DVec4};
 use shadowgraph_engine::math::Aabb;
@@ -17,38 +16,10 @@ pub fn volume_pixels(view: &View, light: DVec4, caster: &Aabb, end: End) -> Opti
     if matches!(end, End::Reach(_)) {
         return Some([0, 0, view.size_px[0], view.size_px[1]]);
     }
-    let [width, height] = view.size_px.map(f64::from);
-    let clip_from_world = view.camera.clip_from_world(view.size_px);
     let near = caster.corners().map(|corner| corner.extend(1.0));
     let ends = caster.corners().map(|corner| end_of(corner, light, end));
-    let points: Vec<DVec4> = near.into_iter().chain(ends).map(|p| clip_from_world * p).collect();
-    // In front of the eye: w > 0 for a perspective camera, and everywhere for an orthographic one. What is nearer than the
-    // near plane is not drawn, so a little of it may be left out.
-    let least_w = if view.frustum.eye.w > 0.0 { 0.5 * view.camera.projection.near_m() } else { 0.5 };
-    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    let mut add = |p: DVec4| {
-        for axis in 0..2 {
-            low[axis] = low[axis].min(p[axis] / p.w);
-            high[axis] = high[axis].max(p[axis] / p.w);
-        }
-    };
-    for (number, p) in points.iter().enumerate() {
-        if p.w >= least_w {
-            add(*p);
-        }
-        for q in &points[..number] {
-            if (p.w < least_w) != (q.w < least_w) {
-                let share = (least_w - p.w) / (q.w - p.w);
-                let crossing = *p + (*q - *p) * share;
-                add(crossing.truncate().extend(least_w));
-            }
-        }
-    }
-    let pixel = |ndc: f64, size: f64, more: f64| ((ndc * 0.5 + 0.5) * size + more).clamp(0.0, size);
-    let (left, right) = (pixel(low[0], width, -1.0).floor(), pixel(high[0], width, 1.0).ceil());
-    let (top, bottom) = (pixel(-high[1], height, -1.0).floor(), pixel(-low[1], height, 1.0).ceil());
-    let is_something = right > left && bottom > top;
-    is_something.then(|| [left, top, right - left, bottom - top].map(|px| px as u32))
+    let points: Vec<DVec4> = near.into_iter().chain(ends).collect();
+    view.pixels_around(&points)
 }
 
 /// Where a point of the caster is carried to, homogeneous.

@@ -26,7 +26,7 @@ use crate::scene::{Instance, Material};
 /// shadows number 7), and at numbers that no binding has: whether a visibility has one channel, whether any light has
 /// smooth terminators, whether any factor holds own shadows, whether there is one factor only. What is drawn only behind
 /// the nearest transparent surface reads its depth at number 9.
-const READ_FLAGS: [&str; 10] = [
+const READ_FLAGS: [&str; 11] = [
     "COUNTS",
     "MASK",
     "VISIBILITY",
@@ -37,7 +37,11 @@ const READ_FLAGS: [&str; 10] = [
     "TINTED",
     "ONE_FACTOR",
     "FARTHER",
+    "LIGHT_TILES",
 ];
+
+/// The one of [`READ_FLAGS`] that leaves out lights which reach nothing of a pixel's tile.
+const LIGHT_TILES: u32 = 1 << 10;
 
 /// Those of [`READ_FLAGS`] that say where factors are.
 const FACTOR_FLAGS: u32 = 0b111;
@@ -306,6 +310,10 @@ impl Executor {
         let function = material.surface.as_ref().filter(|_| !is_depth);
         features |= u32::from(function.is_some()) << SURFACE_FUNCTION;
         let mut read: u32 = draw.bindings.iter().map(|(number, _)| 1 << number).sum();
+        if function.is_some() {
+            // It is asked about every light, whatever arrives.
+            read &= !LIGHT_TILES;
+        }
         if let [light] = &scene.plan.lights[..] {
             // Where one light's factor is, is known now: the shader need not ask.
             let flags = light.factors().fold(0, |flags, part| flags | factor_flag(part.at));
