@@ -124,7 +124,7 @@ mod tests {
             let found = pixels(&view, &snapshot.lights[0]);
             confined += usize::from(found != Some(everywhere(&view)));
             let clip_from_world = view.camera.clip_from_world(size_px);
-            for _ in 0..200 {
+            for _ in 0..1200 {
                 let p = random_point(&mut seed) * 2.5;
                 let clip = clip_from_world * p.extend(1.0);
                 let (x, y) = (clip.x / clip.w * 0.5 + 0.5, 0.5 - clip.y / clip.w * 0.5);
