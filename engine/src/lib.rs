@@ -8,6 +8,8 @@ pub mod gltf;
 pub mod gpu;
 pub mod math;
 pub mod plan;
+#[cfg(test)]
+mod random;
 pub mod render;
 pub mod scene;
 pub mod shadow;

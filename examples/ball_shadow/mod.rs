@@ -83,11 +83,7 @@ impl ShadowTechnique for BallShadow {
     }
 
     fn traits(&self) -> Traits {
-        Traits {
-            known_error: "a mesh is taken for the ball around it",
-            approximates: true,
-            ..Traits::default()
-        }
+        Traits { known_error: "meshes are taken for balls", approximates: true, ..Traits::default() }
     }
 
     fn casts(&self, instance: &Instance) -> Result<bool, String> {

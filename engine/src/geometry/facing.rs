@@ -84,16 +84,7 @@ impl FacingPlanes {
 mod tests {
     use super::super::facing_signs;
     use super::*;
-
-    /// A number in −1 … 1, the same for the same seed.
-    fn random(seed: &mut u64) -> f64 {
-        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    fn random_point(seed: &mut u64) -> DVec3 {
-        DVec3::new(random(seed), random(seed), random(seed))
-    }
+    use crate::random::{random, random_point};
 
     #[test]
     fn signs_are_the_exact_ones_wherever_pose_and_light_are() {

@@ -85,17 +85,8 @@ fn common(a: [u32; 4], b: [u32; 4]) -> Option<[u32; 4]> {
 mod tests {
     use super::*;
     use crate::math::Projection;
+    use crate::random::{random, random_point};
     use crate::scene::{Camera, CameraSnapshot, Light, Scene};
-
-    /// A number in −1 … 1, the same for the same seed.
-    fn random(seed: &mut u64) -> f64 {
-        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    fn random_point(seed: &mut u64) -> DVec3 {
-        DVec3::new(random(seed), random(seed), random(seed))
-    }
 
     #[test]
     fn whatever_a_light_reaches_is_within_its_pixels() {
