@@ -22,7 +22,7 @@ pub(super) fn add(inputs: &Inputs<'_>, needs: &mut Needs) -> Option<SlotId> {
     let mut tiles = vec![0_u32; (columns * rows) as usize * words];
     let mut reached = 0;
     for (index, light) in lights.iter().enumerate() {
-        let Some([left, top, width, height]) = reach::pixels(inputs.view, light) else { continue };
+        let Some([left, top, width, height]) = reach::lit_pixels(inputs.view, light) else { continue };
         for row in top / TILE_PX..(top + height).div_ceil(TILE_PX) {
             for column in left / TILE_PX..(left + width).div_ceil(TILE_PX) {
                 tiles[(row * columns + column) as usize * words + index / 32] |= 1 << (index % 32);

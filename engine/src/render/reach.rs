@@ -8,21 +8,31 @@ use crate::plan::Resource;
 use crate::scene::{LightKind, LightSnapshot};
 use crate::shadow::{Draw, Pass, View};
 
-/// x, y, width and height of the pixels that hold everything that a light's range and cone let it reach in view; all pixels
+/// x, y, width and height of the pixels that hold all receivers that a light's range and cone let it reach in view; all pixels
 /// where that is most of them. `None` where it reaches none.
 pub(super) fn pixels(view: &View, light: &LightSnapshot) -> Option<[u32; 4]> {
     if light.position.w == 0.0 {
         return Some(everywhere(view));
     }
     let (origin, receivers) = (light.position.truncate(), &view.receiver_bounds);
-    // Beyond the farthest receiver there is nothing to be lit.
+    // Beyond the farthest receiver there is nothing to be shadowed.
     let farthest = receivers.corners().map(|corner| corner.distance(origin)).into_iter().fold(0.0, f64::max);
-    let reach_m = light.light.range_m.map_or(farthest, |range_m| range_m.min(farthest)) * (1.0 + 1e-6);
+    let reach_m = light.light.range_m.map_or(farthest, |range_m| range_m.min(farthest));
     let sector = sector_bounds(light, reach_m);
     let lit = Aabb { min: sector.min.max(receivers.min), max: sector.max.min(receivers.max) };
-    if lit.is_empty() {
-        return None;
+    if lit.is_empty() { None } else { pixels_of(view, &lit) }
+}
+
+/// The same of all surfaces, receivers or not: they are lit within the light's range.
+pub(super) fn lit_pixels(view: &View, light: &LightSnapshot) -> Option<[u32; 4]> {
+    match light.light.range_m {
+        Some(range_m) if light.position.w > 0.0 => pixels_of(view, &sector_bounds(light, range_m)),
+        _ => Some(everywhere(view)),
     }
+}
+
+/// The pixels of a box.
+fn pixels_of(view: &View, lit: &Aabb) -> Option<[u32; 4]> {
     let pixels = view.pixels_around(&lit.corners().map(|corner| corner.extend(1.0)))?;
     let area = |[_, _, width, height]: [u32; 4]| f64::from(width) * f64::from(height);
     let is_gain = area(pixels) < WORTH_IT * area(everywhere(view));
@@ -38,7 +48,7 @@ fn everywhere(view: &View) -> [u32; 4] {
 
 /// The box around what lies within a light's cone and this distance.
 fn sector_bounds(light: &LightSnapshot, reach_m: f64) -> Aabb {
-    let origin = light.position.truncate();
+    let (origin, reach_m) = (light.position.truncate(), reach_m * (1.0 + 1e-6));
     let half_angle_rad = match light.light.kind {
         LightKind::Spot { outer_rad, .. } => outer_rad,
         _ => std::f64::consts::PI,
@@ -120,14 +130,18 @@ mod tests {
                 let clip = clip_from_world * p.extend(1.0);
                 let (x, y) = (clip.x / clip.w * 0.5 + 0.5, 0.5 - clip.y / clip.w * 0.5);
                 let is_seen = view.frustum.planes.iter().all(|plane| plane.height(p) > 0.0);
-                if !receivers.contains(p) || !snapshot.lights[0].reaches(p) || !is_seen {
+                if !snapshot.lights[0].reaches(p) || !is_seen {
                     continue;
                 }
                 reached += 1;
                 let (x, y) = (x * 160.0, y * 120.0);
-                let [left, top, width, height] = found.unwrap_or_default().map(f64::from);
-                let is_within = x >= left && x <= left + width && y >= top && y <= top + height;
-                assert!(is_within, "{round}: {p} at {x} {y}, not in {found:?}");
+                // Surfaces are lit whether or not they receive shadows.
+                let receives = receivers.contains(p).then_some(found);
+                for found in receives.into_iter().chain([lit_pixels(&view, &snapshot.lights[0])]) {
+                    let [left, top, width, height] = found.unwrap_or_default().map(f64::from);
+                    let is_within = x >= left && x <= left + width && y >= top && y <= top + height;
+                    assert!(is_within, "{round}: {p} at {x} {y}, not in {found:?}");
+                }
             }
         }
         assert!(reached > 2000 && confined > 100, "{reached} points, {confined} lights");
