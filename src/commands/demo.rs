@@ -26,6 +26,9 @@ pub(crate) struct DemoArgs {
     /// Frames timed for each scene.
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     frames: u32,
+    /// How edges of the pictures are smoothed: none, msaa4 or ssaa4; what is timed and judged is not.
+    #[arg(long, value_name = "HOW", default_value = "ssaa4")]
+    antialias: Antialias,
     /// The adapter whose name contains this.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
@@ -89,8 +92,10 @@ fn show(renderer: &mut Renderer, args: &DemoArgs, name: &str, scene: &Scene) -> 
     let evaluation = with_progress(renderer, scene, &request)?;
 
     let path = args.output.join(format!("{name}.png"));
-    if let Some(picture) = &evaluation.frame.picture {
-        files::write_png(&path, picture)?;
+    let smooth = FrameRequest { antialias: args.antialias, ..request };
+    let options = RenderOptions { read_picture: true, ..RenderOptions::default() };
+    if let Some(picture) = renderer.render(scene, &smooth, &options)?.picture {
+        files::write_png(&path, &picture)?;
     }
     let worst = evaluation.errors.iter().max_by_key(|error| error.wrong);
     if let Some(worst) = worst {

@@ -100,8 +100,9 @@ impl LightBall {
         let near_m = NEAR * self.radius;
         let is_small = self.radius < BESIDE * radius_m;
         let share_m = if is_small { BESIDE_SMALL } else { BESIDE } * radius_m;
-        // What cuts the light parts its samples, each as far from it as the light is large.
-        let limit_m = share_m.max(self.radius);
+        // What cuts a light parts its samples, which lie no farther apart than the light is large.
+        let is_cut_finely = self.radius < BESIDE_SMALL * radius_m;
+        let limit_m = if is_cut_finely { share_m.max(self.radius) } else { share_m };
         // Most lights are far from all of it: no triangle need be asked.
         let is_beside = self.position.w > 0.0
             && bounds.distance(self.position.truncate()) < limit_m
@@ -136,10 +137,10 @@ impl LightBall {
 
 /// Triangles nearer to the light's centre than this many radii of its ball are asked one by one.
 const NEAR: f64 = 3.0;
-/// A light is beside a caster that cuts it, or is nearer to it than this share of the caster's radius, or when it is smaller and ..
+/// A light is beside a caster when it is nearer to it than this share of the caster's radius, or when it is smaller and ..
 const BESIDE: f64 = 1e-3;
-/// .. nearer than this share: positions of f32 about the caster's middle then tell too little of the disc. All triangles as near
-/// as this are then asked one by one, by what they are as the light sees them.
+/// .. nearer than this share, or cut by the caster and smaller than this share: positions of f32 about the caster's middle then tell
+/// too little of the disc. All triangles as near as this are then asked one by one, by what they are as the light sees them.
 const BESIDE_SMALL: f64 = 0.05;
 
 /// A triangle of a caster, as the shader reads it and as it stands in the world.

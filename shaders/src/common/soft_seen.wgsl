@@ -94,9 +94,10 @@ struct SeenTriangle {
     a: vec3f,
     b: vec3f,
     c: vec3f,
-    // From a to b, and from b to c.
+    // From a to b, from b to c, and from a to c: each a difference of corners, as any triangle at that edge has it.
     along_ab: vec3f,
     along_bc: vec3f,
+    along_ac: vec3f,
     // Edges a → b, b → c and a → c: see edge_heights; and whether the light's centre is on the left of them.
     ab: vec3f,
     bc: vec3f,
@@ -133,9 +134,10 @@ fn seen_triangle(number: u32, r: Receiver) -> SeenTriangle {
     seen.c = in_frame(r, c - seen.from_center);
     seen.along_ab = in_frame(r, b - a);
     seen.along_bc = in_frame(r, c - b);
+    seen.along_ac = in_frame(r, c - a);
     seen.ab = edge_heights(seen.a, seen.along_ab);
     seen.bc = edge_heights(seen.b, seen.along_bc);
-    seen.ac = edge_heights(seen.a, in_frame(r, c - a));
+    seen.ac = edge_heights(seen.a, seen.along_ac);
     seen.left_of_ab = center_is_left(across(seen.a), across(seen.b));
     seen.left_of_bc = center_is_left(across(seen.b), across(seen.c));
     seen.left_of_ac = center_is_left(across(seen.a), across(seen.c));
@@ -165,7 +167,7 @@ fn seen_from_light(number: u32, r: Receiver) -> SeenTriangle {
     seen.c = in_frame(r, beside(number, 2u).xyz) + to_light;
     seen.ab = edge_heights_about_light(beside(number, 3u).xyz, seen.along_ab, r);
     seen.bc = edge_heights_about_light(beside(number, 4u).xyz, seen.along_bc, r);
-    seen.ac = edge_heights_about_light(beside(number, 5u).xyz, seen.along_ab + seen.along_bc, r);
+    seen.ac = edge_heights_about_light(beside(number, 5u).xyz, seen.along_ac, r);
     seen.left_of_ab = seen.ab.x >= 0.0;
     seen.left_of_bc = seen.bc.x >= 0.0;
     seen.left_of_ac = seen.ac.x >= 0.0;
