@@ -102,7 +102,7 @@ fn planning(bencher: Bencher<'_, '_>, name: &str) {
     // The first frame extracts; that is timed by itself.
     plan(&camera);
     bencher.bench_local(|| {
-        camera.world_from_view = camera.world_from_view * turn;
+        camera.world_from_view *= turn;
         plan(&camera)
     });
 }

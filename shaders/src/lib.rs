@@ -34,6 +34,7 @@ modules![
     "common/fullscreen",
     "common/light_grid_lists",
     "common/light_samples",
+    "common/light_tiles",
     "common/lights",
     "common/map_taps",
     "common/material",

@@ -5,6 +5,7 @@
 
 #import common/frame
 #import common/lights
+#import common/light_tiles
 #import common/material
 #import common/surface
 #import common/tone
@@ -43,13 +44,6 @@
 #if FARTHER
 // The nearest transparent surface at every pixel: only what is behind it is drawn.
 @group(1) @binding(9) var nearest_depth: texture_depth_2d;
-#endif
-
-#if LIGHT_TILES
-// How many tiles a row has, and words a tile; then tile by tile, row by row, a bit for each light that may reach something there.
-@group(1) @binding(10) var<storage, read> light_tiles: array<u32>;
-// A tile has 1 << this many pixels along a side.
-const LIGHT_TILE_SHIFT: u32 = 5u;
 #endif
 
 #if TINTED
@@ -373,11 +367,8 @@ fn shade(in: Varyings) -> vec4f {
     lit += lit_by(lights[0], 0u, s, pixel, in.receives, ends_smooth(in, 0u));
 #else
 #if LIGHT_TILES
-    let tile = pixel >> vec2u(LIGHT_TILE_SHIFT);
-    let words = light_tiles[1];
-    let first_word = 2u + (tile.y * light_tiles[0] + tile.x) * words;
-    for (var word = 0u; word < words; word++) {
-        var reaching = light_tiles[first_word + word];
+    for (var word = 0u; word < light_words(); word++) {
+        var reaching = lights_reaching(pixel, word);
         while reaching != 0u {
             let i = word * 32u + firstTrailingBit(reaching);
             reaching &= reaching - 1u;

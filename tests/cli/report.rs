@@ -195,10 +195,8 @@ fn refusals_show_their_reason_and_failures_do_not_stop_the_rest() {
 fn cost_motion_and_sweeps_are_measured_for_every_technique() {
     let effort = Effort { parts: Parts { scenes: false, scaling: true, motion: true, sweeps: true }, ..TINY };
     let Some(report) = report_on(&[], &effort) else { return };
-    assert_eq!(
-        report.axes.iter().map(|axis| axis.parameter).collect::<Vec<_>>(),
-        ["triangles", "lights", "casters", "pixels"]
-    );
+    let grows = report.axes.iter().map(|axis| axis.parameter);
+    assert!(grows.eq(["triangles", "lights", "casters", "pixels"]));
     for axis in &report.axes {
         let of = |name: &str| &axis.techniques.iter().find(|(known, _)| known == name).unwrap().1;
         assert!(of("hard").iter().all(|step| step.outcome.measured().is_some()), "{}", axis.parameter);
@@ -206,16 +204,13 @@ fn cost_motion_and_sweeps_are_measured_for_every_technique() {
         assert!(of("disc").iter().all(|step| matches!(&step.outcome, Outcome::Refused(_))));
         assert_eq!(axis.unshadowed_ms.len(), of("hard").len());
     }
-    let moves: Vec<_> = report.motions.iter().map(|motion| (motion.scene, motion.moves)).collect();
-    assert_eq!(moves[..4], ["nothing", "the eye", "the lights", "a caster"].map(|moves| ("knot", moves)));
-    assert_eq!(report.motions.len(), 8);
+    let moves = report.motions.iter().map(|motion| motion.moves);
+    assert!(moves.eq([["nothing", "the eye", "the lights", "a caster"]; 2].concat()));
     for motion in &report.motions {
         let of = |name: &str| &motion.techniques.iter().find(|(known, _)| known == name).unwrap().1;
         let hard = of("hard").measured().unwrap();
-        // The parts are parts of the whole.
-        assert!(hard.plan_ms.min > 0.0 && hard.encode_ms.min > 0.0, "{}", motion.moves);
-        assert!(hard.plan_ms.min + hard.encode_ms.min < hard.wall_ms.max, "{}", motion.moves);
-        assert!(motion.unshadowed.is_some() && matches!(of("disc"), Outcome::Refused(_)));
+        assert!(hard.plan_ms.min > 0.0 && hard.plan_ms.min + hard.encode_ms.min < hard.wall_ms.max);
+        assert!(matches!(of("disc"), Outcome::Refused(_)));
     }
     assert!(report.sweeps.len() > 10);
     for sweep in &report.sweeps {

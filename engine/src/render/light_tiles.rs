@@ -7,13 +7,13 @@ use super::schedule::{Inputs, Needs};
 use crate::plan::{BufferDesc, BufferUsage, SlotId};
 use crate::shadow::hash_of;
 
-/// Pixels along a side of a tile: 1 << `LIGHT_TILE_SHIFT` of surface_shade.
+/// Pixels along a side of a tile: 1 << `LIGHT_TILE_SHIFT` of common/light_tiles.
 const TILE_PX: u32 = 1 << 5;
 /// Tiles are worth it where a pixel has this many times fewer lights in its tile than there are: a light that is looked up by the
 /// pixel costs more than one that all pixels take in turn.
 const FEWER: usize = 3;
 
-/// `light_tiles` of surface_shade: how many tiles a row has, and words a tile; then tile by tile a bit for each light that may reach
+/// `light_tiles` of common/light_tiles: how many tiles a row has, and words a tile; then tile by tile a bit for each light that may reach
 /// something there. `None` where most lights reach most of the picture.
 pub(super) fn add(inputs: &Inputs<'_>, needs: &mut Needs) -> Option<SlotId> {
     let lights = &inputs.snapshot.lights;
