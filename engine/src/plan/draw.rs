@@ -59,7 +59,7 @@ impl Shader {
     ) -> Result<Self, ShaderError> {
         let Text { name, source } =
             Text::known(name, flags, || shadowgraph_shaders::compose_named(name, flags))?;
-        Ok(Self { name, source, vertex: vertex.into(), fragment: fragment.map(Into::into) })
+        Ok(Self::of(name, source, vertex, fragment))
     }
 
     /// The same with the text that `write` gives in place of the module `replaced`. `variant` tells what is written from what else
@@ -76,7 +76,7 @@ impl Shader {
     ) -> Result<Self, ShaderError> {
         let compose = || shadowgraph_shaders::compose_replacing(name, flags, replaced, &write()?);
         let Text { name, source } = Text::known(&format!("{name} {variant}"), flags, compose)?;
-        Ok(Self { name, source, vertex: vertex.into(), fragment: fragment.map(Into::into) })
+        Ok(Self::of(name, source, vertex, fragment))
     }
 
     /// A shader of one's own: WGSL that may import every common module of this workspace, composed with `flags`.
@@ -91,11 +91,16 @@ impl Shader {
         fragment: Option<&'static str>,
     ) -> Result<Self, ShaderError> {
         let source = shadowgraph_shaders::compose(name, text, flags)?;
-        Ok(Self::of(&[&[name], flags].concat().join(" "), source, vertex, fragment))
+        Ok(Self::of([&[name], flags].concat().join(" "), source, vertex, fragment))
     }
 
     /// A shader of WGSL that is composed already.
-    pub fn of(name: &str, source: String, vertex: &'static str, fragment: Option<&'static str>) -> Self {
+    pub fn of(
+        name: impl Into<Arc<str>>,
+        source: impl Into<Arc<str>>,
+        vertex: &'static str,
+        fragment: Option<&'static str>,
+    ) -> Self {
         let (name, source) = (name.into(), source.into());
         Self { name, source, vertex: vertex.into(), fragment: fragment.map(Into::into) }
     }

@@ -18,20 +18,25 @@ const FEWER: usize = 3;
 pub(super) fn add(inputs: &Inputs<'_>, needs: &mut Needs) -> Option<SlotId> {
     let lights = &inputs.snapshot.lights;
     let [columns, rows] = inputs.view.size_px.map(|px| px.div_ceil(TILE_PX));
-    let words = lights.len().div_ceil(32);
-    let mut tiles = vec![0_u32; (columns * rows) as usize * words];
-    let mut reached = 0;
-    for (index, light) in lights.iter().enumerate() {
-        let Some([left, top, width, height]) = reach::lit_pixels(inputs.view, light) else { continue };
-        for row in top / TILE_PX..(top + height).div_ceil(TILE_PX) {
-            for column in left / TILE_PX..(left + width).div_ceil(TILE_PX) {
-                tiles[(row * columns + column) as usize * words + index / 32] |= 1 << (index % 32);
-                reached += 1;
-            }
-        }
-    }
+    // Of each light the tiles from its first to before its last, along and down.
+    let reached_tiles = lights.iter().map(|light| {
+        let [left, top, width, height] = reach::lit_pixels(inputs.view, light).unwrap_or_default();
+        let tiles = |from: u32, count: u32| from / TILE_PX..(from + count).div_ceil(TILE_PX);
+        (tiles(left, width), tiles(top, height))
+    });
+    let reached_tiles: Vec<_> = reached_tiles.collect();
+    let reached: usize = reached_tiles.iter().map(|(along, down)| along.len() * down.len()).sum();
     if lights.len() < FEWER || reached * FEWER > lights.len() * (columns * rows) as usize {
         return None;
+    }
+    let words = lights.len().div_ceil(32);
+    let mut tiles = vec![0_u32; (columns * rows) as usize * words];
+    for (index, (along, down)) in reached_tiles.into_iter().enumerate() {
+        for row in down {
+            for column in along.clone() {
+                tiles[(row * columns + column) as usize * words + index / 32] |= 1 << (index % 32);
+            }
+        }
     }
     let head = [columns, words as u32];
     let bytes = bytemuck::cast_slice(&[&head[..], &tiles].concat()).to_vec();

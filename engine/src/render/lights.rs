@@ -145,10 +145,7 @@ fn check_written(
     passes: &[Pass],
     contribution: &Contribution,
 ) -> Result<(), ShadowError> {
-    let counts = |pass: &Pass| {
-        pass.depth.is_some_and(|depth| depth.slot == Resource::RECEIVER_DEPTH && depth.stencil.is_some())
-    };
-    if contribution.counts_bound.is_none() && passes.iter().any(counts) {
+    if contribution.counts_bound.is_none() && passes.iter().any(Pass::counts) {
         return Err(light.unsupported("a pass counts in the stencil, and no bound is stated"));
     }
     let darkens = |pass: &Pass| pass.draws_into(Resource::VISIBILITY);

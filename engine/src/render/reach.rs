@@ -6,7 +6,7 @@ use super::schedule::Group;
 use crate::math::Aabb;
 use crate::plan::Resource;
 use crate::scene::{LightKind, LightSnapshot};
-use crate::shadow::{Draw, Pass, View};
+use crate::shadow::{Draw, View};
 
 /// x, y, width and height of the pixels that hold all receivers that a light's range and cone let it reach in view; all pixels
 /// where that is most of them. `None` where it reaches none.
@@ -70,11 +70,8 @@ pub(super) fn confine(group: &mut Group<'_>, view: &View, light: &LightSnapshot)
     if within == Some(everywhere(view)) {
         return;
     }
-    let counts = |pass: &Pass| {
-        pass.depth.is_some_and(|depth| depth.slot == Resource::RECEIVER_DEPTH && depth.stencil.is_some())
-    };
     for pass in &mut group.passes {
-        if counts(pass) || pass.draws_into(Resource::VISIBILITY) {
+        if pass.counts() || pass.draws_into(Resource::VISIBILITY) {
             let confined = |draw: &mut Draw| {
                 draw.scissor_px = within.and_then(|within| common(within, draw.scissor_px.unwrap_or(within)));
                 draw.scissor_px.is_some()

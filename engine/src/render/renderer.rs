@@ -194,7 +194,7 @@ impl Renderer {
             read_back: &read_back,
         };
         let executed = self.executor.execute(&plan, &inputs)?;
-        Ok(Frame { plan_ms, ..frame_of(plan, wanted, executed)? })
+        Ok(frame_of((plan, plan_ms), wanted, executed)?)
     }
 }
 
@@ -223,7 +223,7 @@ fn wanted_slots(plan: &FramePlan, read_picture: bool) -> Vec<(SlotId, Purpose)> 
 }
 
 fn frame_of(
-    plan: Arc<FramePlan>,
+    (plan, plan_ms): (Arc<FramePlan>, f64),
     wanted: Vec<(SlotId, Purpose)>,
     executed: Executed,
 ) -> Result<Frame, PixelsError> {
@@ -237,7 +237,7 @@ fn frame_of(
         kept,
         times,
         gpu_ms,
-        plan_ms: 0.0,
+        plan_ms,
         encode_ms,
         gpu_bytes,
     };

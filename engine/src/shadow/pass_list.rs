@@ -16,6 +16,13 @@ pub type ColorTarget = plan::ColorTarget<Resource>;
 /// A depth attachment while the frame is planned.
 pub type DepthTarget = plan::DepthTarget<Resource>;
 
+impl Pass {
+    /// Whether it uses the stencil beside the receivers' depth.
+    pub(crate) fn counts(&self) -> bool {
+        self.depth.is_some_and(|depth| depth.slot == Resource::RECEIVER_DEPTH && depth.stencil.is_some())
+    }
+}
+
 /// Collects the passes of one node for one light and one set of receivers, and hands out their textures and buffers.
 #[derive(Debug)]
 pub struct PassList<'a> {

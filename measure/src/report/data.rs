@@ -68,9 +68,11 @@ impl Report {
         }
         for motion in &self.motions {
             let failed = motion.techniques.iter().filter_map(|(name, of)| Some((name, of.failure()?)));
-            failures.extend(failed.map(|(name, why)| {
-                format!("{name} while {} moves before '{}': {why}", motion.moves, motion.scene)
-            }));
+            failures.extend(
+                failed.map(|(name, why)| {
+                    format!("{name} on '{}', moving {}: {why}", motion.scene, motion.moves)
+                }),
+            );
         }
         for sweep in &self.sweeps {
             for (technique, steps) in &sweep.techniques {

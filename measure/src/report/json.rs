@@ -35,13 +35,8 @@ pub(super) fn report_json(report: &Report) -> Value {
 }
 
 fn motion_json(motion: &MotionReport) -> Value {
-    let techniques = motion.techniques.iter().map(|(name, outcome)| match outcome {
-        Outcome::Measured(times) => {
-            json!({ "name": name, "status": "measured", "frames": frames_json(times) })
-        }
-        Outcome::Refused(reason) => json!({ "name": name, "status": "refused", "reason": reason }),
-        Outcome::Failed(reason) => json!({ "name": name, "status": "failed", "reason": reason }),
-    });
+    let techniques = motion.techniques.iter();
+    let techniques = techniques.map(|(name, outcome)| step_json("name", name.as_str(), outcome, frames_json));
     json!({
         "scene": motion.scene,
         "shows": motion.shows,
@@ -206,7 +201,13 @@ fn params_json(params: &Params) -> Value {
     Value::Object(params.iter().map(|(name, v)| (name.clone(), value(v))).collect())
 }
 
-fn step_json<T>(name: &str, at: f64, outcome: &Outcome<T>, measured: impl Fn(&T) -> Value) -> Value {
+fn step_json<T>(
+    name: &str,
+    at: impl Into<Value>,
+    outcome: &Outcome<T>,
+    measured: impl Fn(&T) -> Value,
+) -> Value {
+    let at = at.into();
     match outcome {
         Outcome::Measured(value) => {
             json!({ name: at, "status": "measured", "measured": measured(value) })

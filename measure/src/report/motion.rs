@@ -51,7 +51,7 @@ pub(super) fn measure(
     let mut reports = Vec::new();
     for scene in &SCENES {
         for motion in Motion::OF_ANY_SCENE {
-            steps.next(&format!("cost of motion: {}, {} moves", scene.name, motion.name()));
+            steps.next(&format!("cost of motion: {}, moving {}", scene.name, motion.name()));
             reports.push(measure_one(bench, scene, motion, settings));
         }
     }

@@ -25,28 +25,18 @@ impl FrontCaps {
         let own_count = instance.mesh.triangle_count() as u32;
         let welded = shape.topology().triangles();
         let mut caps = Self::default();
-        if matches!(shape, CastShape::Own(_)) {
-            for (caps, list) in caps.own.iter_mut().zip([&chain.caps_front, &chain.caps_back]) {
-                caps.reserve(list.len() * 3);
-                for triangle in list {
-                    let [a, b, c] = instance.mesh.triangle(*triangle as usize);
-                    caps.extend_from_slice(&[cap(a), cap(b), cap(c)]);
-                }
-            }
-            return caps;
-        }
         for (turned, list) in [&chain.caps_front, &chain.caps_back].into_iter().enumerate() {
+            caps.own[turned].reserve(list.len() * 3);
             for &triangle in list {
-                let corners = welded[triangle as usize];
-                if triangle < own_count {
-                    caps.own[turned].extend(instance.mesh.triangle(triangle as usize).map(cap));
+                let (caps, [a, b, c]) = if triangle < own_count {
+                    (&mut caps.own[turned], instance.mesh.triangle(triangle as usize))
                 } else if matches!(shape, CastShape::Doubled(_)) {
                     // The reverse of a triangle is that triangle, counted the other way round.
-                    let own = instance.mesh.triangle((triangle - own_count) as usize);
-                    caps.own[1 - turned].extend(own.map(cap));
+                    (&mut caps.own[1 - turned], instance.mesh.triangle((triangle - own_count) as usize))
                 } else {
-                    caps.unseen[turned].extend(corners.map(cap));
-                }
+                    (&mut caps.unseen[turned], welded[triangle as usize])
+                };
+                caps.extend_from_slice(&[cap(a), cap(b), cap(c)]);
             }
         }
         caps
